@@ -42,14 +42,14 @@ def main(folder: Path) -> int:
     take(qt, window, DARK, folder / "configure-sensors-dark.png", 1)
     window.devices.select(SPEED)
     window.editor.apply("break", broken)
-    window.devices.select(SPEED, ("unit",))
+    window.devices.select(SPEED, ("minimum",))
     take(qt, window, DARK, folder / "configure-problems-dark.png", 3)
     return 0
 
 
 def broken(site: Site) -> Site:
-    """Give a description with a unit that there is not."""
-    return with_value(site, (*SPEED, "unit"), "m/sec")
+    """Give a description with a least value above the greatest."""
+    return with_value(site, (*SPEED, "minimum"), 0.5)
 
 
 def take(

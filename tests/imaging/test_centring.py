@@ -14,7 +14,7 @@ from talaia.imaging.tangent_plane import angular_distance
 from talaia.model.units.astronomy import J2000, precess_coordinates
 from talaia.sim.observatory.models.sky_picture import Chip, Shot, draw_picture
 from talaia.sim.observatory.models.telescope import Telescope
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC
 CHIP = Chip(turned=25.0)

@@ -23,7 +23,7 @@ from talaia.model.units.astronomy import (
     precess_coordinates,
 )
 from talaia.sim.observatory.models.all_sky import LENS, SkyView, cloud_map, draw_sky
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 pytestmark = pytest.mark.pure
 # 2026-11-10 22:00 UTC, one day after new Moon, and the full Moon of the 24th.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import signal
@@ -16,6 +17,7 @@ from bare_release import bare_release
 from patience import PATIENCE_S
 from ports import free_port
 
+from talaia.updates.release_runner import PassedSignals
 from talaia.updates.slot_folder import SlotFolder
 from talaia.updates.slots import SlotPhase
 
@@ -80,20 +82,22 @@ class RunningSite:
         return self.processes[-1]
 
     def close(self) -> None:
-        """End all that runs."""
-        for process in self.processes:
-            process.send_signal(signal.SIGTERM)
-        for process in self.processes:
-            process.wait(PATIENCE_S)
+        """End all that runs, each also where another one does not end."""
+        with contextlib.ExitStack() as ends:
+            for process in self.processes:
+                ends.callback(process.wait, PATIENCE_S)
+                process.send_signal(signal.SIGTERM)
 
 
-def write_program(version: str, text: str = PROGRAM) -> Callable[[list[Path], Path], None]:
-    """Give what builds a release of one program."""
+def write_program(
+    version: str, text: str = PROGRAM, says: str = ""
+) -> Callable[[list[Path], Path], None]:
+    """Give what builds a release of one program, which may call itself by another version."""
 
     def build(_wheels: list[Path], slot: Path) -> None:
         program = slot / "bin" / "talaia"
         program.parent.mkdir()
-        program.write_text(text.format(python=sys.executable, version=version))
+        program.write_text(text.format(python=sys.executable, version=says or version))
         program.chmod(0o700)
 
     return build
@@ -134,7 +138,9 @@ def test_a_release_is_tried_when_the_roof_is_closed_and_kept_when_its_link_is_th
     # Without a trial the runner becomes the gateway: a service manager watches that.
     until(lambda: site.slots.is_linked("1.0.0"), "the first release is linked")
     assert b"software/releases/1.0.0" in Path(f"/proc/{gateway.pid}/cmdline").read_bytes()
-    site.slots.install_release(bare_release("1.1.0"), write_program("1.1.0"))
+    # Signed by hand as what it is not: its link counts all the same.
+    build = write_program("1.1.0", says="1.1.0rc1")
+    site.slots.install_release(bare_release("1.1.0"), build)
     with pytest.raises(subprocess.TimeoutExpired):
         # Long over the time that it has to be at rest.
         gateway.wait(5)
@@ -186,3 +192,17 @@ def test_a_service_that_is_ended_in_a_trial_tries_it_again(site: RunningSite) ->
     running.wait(PATIENCE_S)
     state = site.slots.read_state()
     assert (state.phase, state.candidate, state.tries) == (SlotPhase.TRYING, "1.1.0", 1)
+
+
+def test_who_ends_the_service_before_the_gateway_is_there_ends_the_gateway_too() -> None:
+    before = [(number, signal.getsignal(number)) for number in (signal.SIGTERM, signal.SIGINT)]
+    try:
+        signals = PassedSignals()
+        os.kill(os.getpid(), signal.SIGTERM)
+        gateway = subprocess.Popen(["sleep", "1000"])
+        signals.pass_to(gateway)
+        assert gateway.wait(PATIENCE_S) == -signal.SIGTERM
+        assert signals
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)

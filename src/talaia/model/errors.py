@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
+from talaia.model.yaml_text.foreign_letters import alike_letters
 from talaia.model.yaml_text.meant_words import list_words, meant_word, near_words, quoted_text
 
 if TYPE_CHECKING:
@@ -29,7 +30,12 @@ class DescriptionError(TalaiaError):
 
 
 class NotReadable(DescriptionError):
-    """The file is missing, is not text, or is not YAML."""
+    """The file is missing, is not text, or is not YAML.
+
+    Its ``text`` is what can be shown of it, where `where` names a line of that; else empty.
+    """
+
+    text = ""
 
 
 class UnknownWord(DescriptionError):
@@ -48,7 +54,7 @@ class UnknownWord(DescriptionError):
         if not words:
             remedy = f"no {what} is described: describe it, or leave this out"
         elif self.meant and word:
-            remedy = f"did you mean {self.meant!r}?"
+            remedy = f"did you mean {self.meant!r}?{alike_letters(word)}"
         else:
             key = "use" if word else f"add {where.rpartition('.')[2]}: and"
             remedy = f"{key} one of: {list_words(near_words(word, words))}"

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from talaia.updates.slot_folder import RunnableSlot
 
-__all__ = ["RELEASES_VARIABLE", "run_release"]
+__all__ = ["RELEASES_VARIABLE", "PassedSignals", "run_release"]
 
 # By this a gateway knows where its releases are.
 RELEASES_VARIABLE = "TALAIA_GATEWAY_RELEASES"
@@ -44,25 +44,53 @@ def run_release(
         os.execve(slot.program, command, variables)  # noqa: S606 - no shell, on purpose
     # The watchdog of the service is fed by the gateway, which is a process of its own now.
     variables.pop("WATCHDOG_PID", None)
+    signals = PassedSignals()
     try:
         gateway = subprocess.Popen(command, env=variables)  # noqa: S603 - a release that was signed
     except OSError as error:
         folder.leave_candidate(f"it cannot be started: {error}")
         return 1
-    return _watch_trial(folder, slot, gateway, link_s)
+    signals.pass_to(gateway)
+    return _watch_trial(folder, slot, gateway, signals=signals, link_s=link_s)
+
+
+class PassedSignals:
+    """Passes what would end this process on to its gateway.
+
+    It listens before the gateway is there: an end between the two would leave the gateway alone.
+    """
+
+    def __init__(self) -> None:
+        """Listen from now on."""
+        self._gateway: subprocess.Popen[bytes] | None = None
+        self._asked: list[int] = []
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._pass_on)
+
+    def __bool__(self) -> bool:
+        """Tell whether anybody has asked for the end."""
+        return bool(self._asked)
+
+    def pass_to(self, gateway: subprocess.Popen[bytes]) -> None:
+        """Send it what has come, and from now on what comes."""
+        self._gateway = gateway
+        for number in self._asked[:1]:
+            gateway.send_signal(number)
+
+    def _pass_on(self, number: int, _frame: FrameType | None) -> None:
+        self._asked.append(number)
+        if self._gateway is not None:
+            self._gateway.send_signal(number)
 
 
 def _watch_trial(
-    folder: SlotFolder, slot: RunnableSlot, gateway: subprocess.Popen[bytes], link_s: float
+    folder: SlotFolder,
+    slot: RunnableSlot,
+    gateway: subprocess.Popen[bytes],
+    *,
+    signals: PassedSignals,
+    link_s: float,
 ) -> int:
-    asked: list[int] = []
-
-    def pass_on(number: int, _frame: FrameType | None) -> None:
-        asked.append(number)
-        gateway.send_signal(number)
-
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, pass_on)
     until = time.monotonic() + link_s
     while True:
         code = _wait_code(gateway, _LOOK_S)
@@ -70,7 +98,7 @@ def _watch_trial(
             folder.keep_candidate()
             return _passed_code(gateway.wait())
         # Whoever ends the service in the middle of a trial says nothing about the release.
-        if asked:
+        if signals:
             return _passed_code(gateway.wait())
         if code is not None:
             folder.leave_candidate(f"it ended with {code} before it had its link to the hub")

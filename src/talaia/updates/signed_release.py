@@ -30,6 +30,7 @@ __all__ = [
     "public_key_of",
     "read_unproven",
     "sign_release",
+    "version_of_wheels",
 ]
 
 _FORM = 1
@@ -41,6 +42,8 @@ _MOST_MANIFEST, _MOST_FILE, _MOST_ALL = 1 << 20, 1 << 29, 1 << 30
 _MOST_FILES = 500
 # As wheels are named, and no path.
 _WHEEL = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+!\-]{0,200}\.whl\Z")
+# NAME-VERSION-PYTHON-ABI-PLATFORM.whl, with a build number or without.
+_OWN_WHEEL = re.compile(r"talaia-([^-]+)-(?:[^-]+-){2,3}[^-]+\.whl\Z", re.IGNORECASE)
 
 
 class ReleaseManifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -91,6 +94,22 @@ class SignedRelease(NamedTuple):
         except (OSError, zipfile.BadZipFile, KeyError, EOFError, zlib.error) as error:
             raise UpdateRefused(f"{self.path.name} is not whole: {error}") from error
         return written
+
+
+def version_of_wheels(wheels: Sequence[Path]) -> str:
+    """Give the version of Talaia among these wheels, by the name of its file.
+
+    Raises:
+        UpdateError: none of them is Talaia's, or several are.
+
+    """
+    found = {match[1] for wheel in wheels if (match := _OWN_WHEEL.match(wheel.name))}
+    if len(found) != 1:
+        said = "none of them is" if not found else f"{len(found)} of them are"
+        raise UpdateError(
+            f"a release has one wheel of Talaia, as talaia-1.2.3-py3-none-any.whl: {said}"
+        )
+    return found.pop()
 
 
 def sign_release(

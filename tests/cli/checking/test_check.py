@@ -126,12 +126,14 @@ RIGHT = EXAMPLE.read_text()
     ("data", "told"),
     [
         (RIGHT.encode("utf-16"), "is UTF-16; save it as UTF-8"),
+        (RIGHT.encode("utf-16-le"), "is UTF-16; save it as UTF-8"),
         (b"\x1f\x8b\x08" + bytes(20), "is packed (gzip); unpack it: gunzip"),
         (b"\x7fELF" + bytes(9) + b"\xff", "is a program or data, and no text"),
         (b"#" * (4 * 1024 * 1024 + 1), "is longer than 4 MiB, as no description is"),
         (
             "talaia: 1\nname: Català\n".encode("latin1"),
-            ": line 2, column 12: a letter that is not written in UTF-8",
+            "line 2, column 12: a letter that is not written in UTF-8 (the byte 0xE0; for Windows "
+            "it is à); save the file as UTF-8",
         ),
     ],
 )

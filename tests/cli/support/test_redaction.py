@@ -26,6 +26,8 @@ TEXTS = {
     "an option": ("started with --bot-token opensesame --port 1", "opensesame"),
     "an option with =": ("started with --password=opensesame", "opensesame"),
     "curl": ("ran curl -u ada:opensesame http://x", "opensesame"),
+    "a recovery code": ("used the recovery code RC-4410 of ada", "RC-4410"),
+    "a second factor": ("the verification code is 991177", "991177"),
     "a sentence": ("the password is hunter2, he said", "hunter2"),
     "a private key": (f"read\n{PEM}\nand more", "MHcCAQEEIPl4nt3dk3yS3cr3t"),
     "a private key cut off": (PEM[:80], "MHcCAQEEIPl4nt3dk3yS3cr3t"),

@@ -91,3 +91,20 @@ def test_a_publishers_key_is_its_owners_alone_and_is_not_written_over(
     assert main(["update", "key", str(key)]) == 2
     assert "File exists" in capsys.readouterr().err
     assert key.read_bytes() == before
+
+
+def test_a_release_is_of_the_version_of_its_wheel(
+    signed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sign = ["update", "sign", str(signed / "new"), "--key", str(signed / "publisher.pem")]
+    own = str(write_wheel(signed, "1.2.0.dev3+g1a2b3c4d"))
+    assert main([*sign, own, "--version", "1.2.0"]) == 2
+    said = capsys.readouterr().err
+    assert "the wheel of Talaia is 1.2.0.dev3+g1a2b3c4d, not 1.2.0 (--version)" in said
+    assert main([*sign, str(signed / "numpy-2.0.0-py3-none-any.whl")]) == 2
+    assert "none of them is" in capsys.readouterr().err
+    assert main([*sign, own, str(signed / "talaia-1.0.0-py3-none-any.whl")]) == 2
+    assert "2 of them are" in capsys.readouterr().err
+    assert not (signed / "new").exists()
+    assert main([*sign, own]) == 0
+    assert "(1.2.0.dev3+g1a2b3c4d)" in capsys.readouterr().out

@@ -15,7 +15,7 @@ from talaia.gateway.ports import CameraFrame
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
 from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.models.all_sky import SkyView, draw_sky
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 from .one_picture import OnePicture
 

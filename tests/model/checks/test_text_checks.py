@@ -118,3 +118,10 @@ def test_what_a_board_shows_that_this_site_has_not_is_noted_and_no_mistake(
     report = check_text(text, known=types)
     assert report.mistakes == []
     assert told(report.notes) == "12:56: unknown signal 'base/sped'; did you mean 'base/speed'?"
+
+
+@pytest.mark.parametrize("opening", ["[", "{a: ", "- ", "? "])
+def test_what_is_nested_without_an_end_ends_nobody(opening: str) -> None:
+    """Where it did, it was the whole process: libyaml calls itself for each."""
+    (one,) = check_text("a: " * (opening in "[{a: ") + opening * 100_000).mistakes
+    assert (one.line, one.problem) == (1, "nested deeper than 64")

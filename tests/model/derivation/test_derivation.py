@@ -56,6 +56,7 @@ def signal(expression: str, rest: str = "") -> str:
         ("{w/wind} / 3.6", ", unit: m/s"),
         ("max({w/wind} / 3.6, {w/gust})", ", unit: m/s"),
         ("{w/volts} * {w/amps}", ", unit: W"),
+        ("{w/volts} * {w/amps}", ", unit: VA"),
         ("{w/plain} * 0.01", ", unit: hPa"),
         ("abs({w/wind}) / {w/wind}", ""),
         ("{w/gust} / {w/gust} * 100", ", unit: '%'"),

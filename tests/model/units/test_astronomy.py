@@ -9,7 +9,7 @@ from hypothesis import example, given, settings, strategies as st
 from many_examples import examples
 
 from talaia.model.units import astronomy
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 # Some moments for which leap seconds are known (s since 1970).
 MOMENTS = (1_500_000_000.0, 1_700_000_000.0, 1_795_260_000.0)

@@ -53,6 +53,28 @@ def test_the_table_says_what_pint_says(symbol: str) -> None:
         ("GHz", "Hz", 1e9),
         ("%RH", "%", 1.0),
         ("counts/s", "counts/min", 60.0),
+        ("gal/h", "L/h", 3.785411784),
+        ("GPM", "L/min", 3.785411784),
+        ("cfm", "m³/h", 1.69901082),
+        ("sccm", "L/min", 1e-3),
+        ("fpm", "m/s", 5.08e-3),
+        ("bpm", "Hz", 1 / 60),
+        ("/min", "1/min", 1.0),
+        ("r/min", "rpm", 1.0),
+        ("m.s-1", "m/s", 1.0),
+        ("kgf", "N", 9.80665),
+        ("gₙ", "m/s²", 9.80665),
+        ("lbf·ft", "N·m", 1.3558179483),
+        ("kgf·cm", "Nm", 0.0980665),
+        ("inH2O", "Pa", 249.08891),
+        ("Mbps", "Mbit/s", 1.0),
+        ("mPa·s", "Pa·s", 1e-3),
+        ("kV/m", "V/m", 1e3),
+        ("e-/ADU", "electrons/ADU", 1.0),
+        ("e⁻/s", "electrons/s", 1.0),
+        ("amps", "mA", 1e3),
+        ("kvar", "var", 1e3),
+        ("cm³", "m³", 1e-6),
     ],
 )
 def test_a_unit_is_read_as_people_write_it(text: str, like: str, factor: float) -> None:
@@ -77,6 +99,8 @@ def test_a_unit_is_read_as_people_write_it(text: str, like: str, factor: float) 
         "(m",
         "m/(s",
         "1",
+        # Not a power that anything has, nor what letters happen to be read as: atto, ronna, peta.
+        *("m0", "units", "pts", "Rh", "EU", "VAh", "°dH"),
         "",
         "\n",
     ],
@@ -136,6 +160,9 @@ def test_values_are_shown_by_factor_and_offset(
     [
         *(("rpm", "Hz"), ("°", "%"), ("rad/s", "Hz"), ("px", "counts"), ("px", "%")),
         *(("dBm", "W"), ("mag/arcsec²", "lx"), ("°C", "V"), ("m", "m²"), ("foo", "m")),
+        # What SI alone would take for one.
+        *(("N·m", "J"), ("lbf·ft", "kWh"), ("VA", "W"), ("var", "W"), ("fps", "m/s")),
+        *(("fps", "Hz"), ("g", "m/s²"), ("mag", "mag/arcsec²"), ("lx", "W/m²")),
     ],
 )
 def test_what_measures_something_else_is_never_shown_so(one: str, other: str) -> None:
@@ -161,7 +188,12 @@ def test_the_first_choice_counts_and_what_cannot_be_converted_is_left_out() -> N
 
 @pytest.mark.parametrize(
     ("text", "meant"),
-    [("m/z", "m/s"), ("KPA", "kPa"), ("hz", "Hz"), ("Celcius", "°C"), ("foo", ""), ("q", "")],
+    [
+        *(("m/z", "m/s"), ("KPA", "kPa"), ("hz", "Hz"), ("Celcius", "°C"), ("metrs", "m")),
+        *(("m/sec^^2", "m/s²"), ("Voltz", "V"), ("foo", ""), ("q", "")),
+        # Alike in letters, and of another kind: charge, pressure, ozone.
+        *(("VAh", ""), ("war", ""), ("DU", ""), ("a/s", ""), ("scm", "")),
+    ],
 )
 def test_a_slip_of_a_unit_is_told_by_its_likeness(text: str, meant: str) -> None:
     assert likely_unit(text) == meant

@@ -13,7 +13,7 @@ from talaia.sim.observatory.client_requests import (
     parse_number,
     parse_request,
 )
-from talaia.sim.observatory.servers.catalog import DEVICES
+from talaia.sim.observatory.servers.devices import DEVICES
 
 pytestmark = pytest.mark.pure
 

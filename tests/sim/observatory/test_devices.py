@@ -20,7 +20,7 @@ from talaia.sim.observatory.models.power import Power
 from talaia.sim.observatory.models.telescope import Telescope
 from talaia.sim.observatory.models.ticket import Ticket
 from talaia.sim.observatory.models.weather import Weather, dew_point
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 from talaia.sim.observatory.servers.sequencer import GlobalServer
 
 NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC

@@ -24,7 +24,7 @@ from talaia.sim.observatory.models.sky_brightness import (
     sky_magnitude,
 )
 from talaia.sim.observatory.models.telescope import Telescope
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC
 DOWN = Moonlight(Horizontal(-30.0, 0.0), 60.0)

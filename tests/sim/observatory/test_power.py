@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from talaia.sim.observatory.models.ticket import Ticket
-from talaia.sim.observatory.servers.catalog import MONTSEC, make_server
+from talaia.sim.observatory.servers.catalog import make_server
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC
 OUTLETS = {"dome": "/pdu/on1", "telescope": "/pdu/on2", "camera": "/pdu/on3", "cctv": "/pdu/on7"}

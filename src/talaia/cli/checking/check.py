@@ -118,6 +118,7 @@ def check_file(path: Path) -> CheckedFile:
         findings = check_site(site, rules)
     except DescriptionError as error:
         findings, site = [finding_of(error)], None
+        text = text or getattr(error, "text", "")
     return CheckedFile(text, place_findings(findings, text), None if findings else site)
 
 

@@ -22,6 +22,7 @@ from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found, found_from
 from talaia.model.discovery.robot_name import name_robot
 from talaia.model.discovery.ros_units import word_of
+from talaia.model.discovery.rules.missing_units import numbers_without_unit, unit_lines
 from talaia.model.discovery.rules.proposal_answers import (
     ProposalAnswers,
     answered_proposal,
@@ -181,6 +182,8 @@ def _file_header(found: Found, made: DescriptionProposal) -> list[str]:
         if device is not None and device.drive is not None:
             said = stop_lines(choice, device.drive.stop)
             lines += ["", *said] if said else []
+    if without := unit_lines(list(numbers_without_unit(made.site))):
+        lines += ["", *without]
     if made.left_out:
         # All of it: what is missing here would have been left out in silence.
         lines += ["", "Left out:", *(f"  {reason}" for reason in made.left_out[:MAX_LEFT_OUT])]
@@ -205,6 +208,9 @@ def _print_summary(output: Path, made: DescriptionProposal, *, shown: bool) -> N
     elif count:
         said = "1 item was" if count == 1 else f"{count} items were"
         print(f"{said} left out; the file lists them", file=sys.stderr)
+    if without := len(list(numbers_without_unit(made.site))):
+        said = "1 number has" if without == 1 else f"{without} numbers have"
+        print(f"{said} no unit, for the robot says none; the file lists them", file=sys.stderr)
     if notice := unguarded_notice(made.site):
         print(f"note: {notice}", file=sys.stderr)
     if not shown:

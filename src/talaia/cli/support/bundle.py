@@ -29,6 +29,7 @@ from talaia.cli.support.machine_facts import (
 from talaia.cli.support.redaction import MASK, Redactor
 from talaia.errors import TalaiaError
 from talaia.model.checks.site_checks import check_site
+from talaia.model.yaml_text.document import require_shallow
 from talaia.model.yaml_text.load import load_site, text_of
 
 if TYPE_CHECKING:
@@ -154,7 +155,9 @@ def _free_name(texts: Mapping[str, str], name: str) -> str:
 
 def _read_tree(path: Path) -> object:
     try:
-        read: object = yaml.safe_load(text_of(path))
+        text = text_of(path)
+        require_shallow(text)
+        read: object = yaml.safe_load(text)
     except (TalaiaError, yaml.YAMLError, RecursionError, ValueError) as error:
         # Not what it says: that may be a line of the file.
         return {"cannot be read": type(error).__name__}

@@ -112,6 +112,14 @@ _RULES: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
         ),
         _keep_first,
     ),
+    # recovery code ABCD-1234, the verification code is 991177
+    (
+        re.compile(
+            r"(?i)\b((?:recovery|backup|verification|one-time|sign-in|2fa|mfa) codes?"
+            r"(?: is| was| are)?[ :=]{1,3})[\w-]*\d[\w-]*"
+        ),
+        _keep_first,
+    ),
     # Forms of tokens that are known by their beginning, JSON web tokens, and Telegram's.
     (
         re.compile(

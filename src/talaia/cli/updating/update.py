@@ -49,7 +49,7 @@ def _make_parser() -> argparse.ArgumentParser:
     sign.add_argument("release", type=Path, help="file to write; must not be there yet")
     sign.add_argument("wheels", type=Path, nargs="+", help="Talaia's wheel and all that it needs")
     sign.add_argument("--key", type=Path, required=True, help="the publisher's private key")
-    sign.add_argument("--version", required=True, help="of Talaia's wheel")
+    sign.add_argument("--version", help="refuse other versions of Talaia's wheel than this (any)")
     sign.add_argument("--site", default="", help="only for this site's gateway (all)")
     sign.set_defaults(act=_sign_wheels)
     for name, said in (
@@ -127,16 +127,20 @@ def _sign_wheels(options: argparse.Namespace) -> int:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
-    from talaia.updates.signed_release import sign_release
+    from talaia.updates.signed_release import sign_release, version_of_wheels
 
+    # Robots go by what is signed, people by what the program says of itself: both are one.
+    version = version_of_wheels(options.wheels)
+    if options.version not in (None, version):
+        raise CliError(f"the wheel of Talaia is {version}, not {options.version} (--version)")
     try:
         key = load_pem_private_key(options.key.read_bytes(), None)
     except (OSError, ValueError, TypeError) as error:
         raise CliError(f"{options.key} cannot be read: {error}") from error
     if not isinstance(key, Ed25519PrivateKey):
         raise CliError(f"{options.key} is no ed25519 key; make one with: talaia update key")
-    sign_release(options.wheels, options.release, key, version=options.version, site=options.site)
-    print(f"signed: {options.release}")
+    sign_release(options.wheels, options.release, key, version=version, site=options.site)
+    print(f"signed: {options.release} ({version})")
     return 0
 
 

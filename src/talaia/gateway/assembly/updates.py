@@ -6,13 +6,12 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from talaia import __version__
 from talaia.clock import SECOND
 from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.uplink.hub_releases import HubReleases
 from talaia.updates.errors import UpdateError
 from talaia.updates.slot_folder import SlotFolder
-from talaia.updates.slots import SlotPhase
+from talaia.updates.slots import SlotPhase, slot_to_run
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -81,12 +80,13 @@ class UpdatesPart(GatewayPart):
             await asyncio.sleep(_LOOK_S)
             now_ns = self._base.clock.monotonic_ns()
             try:
-                # A link that breaks at once is none.
-                if linked.has_lasted(now_ns, so=self._uplink.dispatcher.linked.is_set()):
-                    if not marked:
-                        await asyncio.to_thread(folder.mark_linked, __version__)
-                    marked = True
                 state = await asyncio.to_thread(folder.read_state)
+                # A link that breaks at once is none.
+                is_linked = self._uplink.dispatcher.linked.is_set()
+                if linked.has_lasted(now_ns, so=is_linked) and not marked:
+                    # By the name of its folder: what the program calls itself may be another.
+                    await asyncio.to_thread(folder.mark_linked, slot_to_run(state))
+                    marked = True
                 why = self.unrest_reason() if state.phase is SlotPhase.WAITING else "none waits"
                 if state.phase is SlotPhase.WAITING and why != told:
                     log.info("release %s waits: %s", state.candidate, why or "nothing moves")

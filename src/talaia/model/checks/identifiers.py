@@ -7,6 +7,8 @@ import re
 import unicodedata
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.model.yaml_text.foreign_letters import alike_letters, with_own_letters
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -60,18 +62,29 @@ def id_fits(where: str, word: str) -> Iterator[Finding]:
     if not _WORD.match(word):
         remedy = "use a small letter, then small letters, digits and _ (at most 63)"
         if near := _near_word(word):
-            remedy += f": {near}"
+            remedy += f": {near}{_told_apart(word)}"
         yield Finding(where, f"{word!r} cannot be a name in an address", remedy)
 
 
 def _near_word(word: str) -> str:
     """Give a name that can stand in an address and is like ``word``; empty for none."""
     # Letters without their accents; what has no Latin letters is left to who wrote it.
-    plain = unicodedata.normalize("NFKD", word).encode("ascii", "ignore").decode().lower()
+    plain = (
+        unicodedata.normalize("NFKD", with_own_letters(word))
+        .encode("ascii", "ignore")
+        .decode()
+        .lower()
+    )
     near = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
     if near[:1].isdigit():
         near = f"n{near}"
     return near if _WORD.match(near) else ""
+
+
+def _told_apart(word: str) -> str:
+    """Say which letter only looks right, where one does."""
+    said = alike_letters(word)
+    return f";{said}" if said else ""
 
 
 def name_fits(where: str, name: str) -> Iterator[Finding]:
@@ -102,10 +115,11 @@ def topic_fits(where: str, topic: str) -> Iterator[Finding]:
     elif not _TOPIC.match(topic):
         # The slash in front is what is missing nearly always.
         # `~` is a node's own name, which nobody here knows.
-        plain = topic.replace(":", "").strip().strip("/")
+        plain = with_own_letters(topic).replace(":", "").strip().strip("/")
         near = "/" + re.sub(r"[^A-Za-z0-9_/]+", "_", "" if "~" in plain else plain)
         written = near if _TOPIC.match(near) else "/like/this"
-        yield Finding(where, f"{topic!r} is not an absolute ROS name", f"write it as {written}")
+        remedy = f"write it as {written}{_told_apart(topic)}"
+        yield Finding(where, f"{topic!r} is not an absolute ROS name", remedy)
 
 
 def type_fits(where: str, name: str, middle: str) -> Iterator[Finding]:
@@ -119,21 +133,25 @@ def type_fits(where: str, name: str, middle: str) -> Iterator[Finding]:
         yield Finding(where, f"{problem}, {name!r}", f"write it as {example}")
     elif not match:
         # As ROS 1, Python or C++ writes it: std_msgs/Bool, std_msgs.msg.Bool, std_msgs::msg::Bool.
-        parts = re.split(r"[./:]+", name)
+        parts = re.split(r"[./:]+", with_own_letters(name))
+        if len(parts) == len(("package", middle, "Name")) and parts[2][:1].islower():
+            parts[2] = parts[2][:1].upper() + parts[2][1:]
         near = f"{parts[0]}/{middle}/{parts[-1]}"
         written = near if len(parts) in (2, 3) and _TYPE.match(near) else example
-        yield Finding(where, f"{name!r} is not a ROS type", f"write it as {written}")
+        remedy = f"write it as {written}{_told_apart(name)}"
+        yield Finding(where, f"{name!r} is not a ROS type", remedy)
 
 
 def field_fits(where: str, field: str) -> Iterator[Finding]:
     """A path into a message."""
     if not FIELD.match(field):
         # As a path of files is written.
-        near = field.strip("/ .").replace("/", ".").replace(" ", "")
+        near = with_own_letters(field).strip("/ .").replace("/", ".").replace(" ", "")
         # An element with a point before it, as in JavaScript's paths and ``jq``.
         near = re.sub(r"\.\[?(\d{1,6})\]?(?=[.\[]|\Z)", r"[\1]", near)
         written = near if FIELD.match(near) else "pose.x or a[0]"
-        yield Finding(where, f"{field!r} is not the path of a field", f"write it as {written}")
+        remedy = f"write it as {written}{_told_apart(field)}"
+        yield Finding(where, f"{field!r} is not the path of a field", remedy)
 
 
 def number_text(value: float) -> str:

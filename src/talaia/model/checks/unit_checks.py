@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import Finding, is_unseen
@@ -18,6 +19,8 @@ __all__ = ["shown_units_findings", "unit_fits", "unit_notes"]
 
 # Units of their own, which people write where a sign is missing.
 _MISTAKEN = {"C": ("coulomb", "°C"), "F": ("farad", "°F")}
+# By what its device or signal is called.
+_ACCELERATION = re.compile(r"accel|vibration|shock|\.imu\.")
 
 
 def unit_fits(where: str, unit: str) -> Iterator[Finding]:
@@ -35,6 +38,10 @@ def unit_notes(site: Site) -> Iterator[Finding]:
     """Name each unit that nobody knows, once: it is shown as written and cannot be converted."""
     told: set[str] = set()
     for where, unit in _written_units(site):
+        if unit == "g" and _ACCELERATION.search(where):
+            problem = "the unit 'g' is the gram, and this is an acceleration"
+            yield Finding(where, problem, "did you mean 'gₙ', which is 9.80665 m/s²?")
+            continue
         if not unit or unit in told:
             continue
         told.add(unit)

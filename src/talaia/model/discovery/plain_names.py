@@ -10,6 +10,7 @@ import msgspec
 from talaia.model.connection import RosSource
 from talaia.model.discovery.device_places import robot_namespace, spoken_space
 from talaia.model.discovery.ros_units import readable_name
+from talaia.model.discovery.rules.spoken_names import spoken_name
 from talaia.model.discovery.topic_words import last_part
 
 if TYPE_CHECKING:
@@ -27,10 +28,18 @@ def with_plain_names(found: Found, devices: Mapping[str, Device]) -> dict[str, D
     space = robot_namespace(found.topics)
     said = spoken_space(space) if space else ""
     robot = f"{said[:1].upper()}{said[1:]} " if said else ""
-    plain = {word: _without_robot(device.name, robot) for word, device in devices.items()}
+    # Drivers that say themselves what they are (INDI, Alpaca, ONVIF) have names by people.
+    theirs = {device.word for device in found.devices if device.described is not None}
+    spoken = {
+        word: device if word in theirs else _spoken_device(device)
+        for word, device in devices.items()
+    }
+    # Of `spot_ros2` of the robot spot its first word is left out, and the second said.
+    short = {word: _without_robot(device.name, robot) for word, device in devices.items()}
+    plain = {word: name if word in theirs else spoken_name(name) for word, name in short.items()}
     # Two that would be called the same keep what tells them apart.
     count = Counter(plain.values())
-    names = {word: plain[word] if count[plain[word]] == 1 else devices[word].name for word in plain}
+    names = {word: plain[word] if count[plain[word]] == 1 else spoken[word].name for word in plain}
     count = Counter(names.values())
     return {
         word: msgspec.structs.replace(
@@ -39,8 +48,37 @@ def with_plain_names(found: Found, devices: Mapping[str, Device]) -> dict[str, D
             signals=_told_apart(device.signals),
             commands=_commands_apart(device.commands),
         )
-        for word, device in devices.items()
+        for word, device in spoken.items()
     }
+
+
+def _spoken_device(device: Device) -> Device:
+    return msgspec.structs.replace(
+        device,
+        name=spoken_name(device.name),
+        signals={
+            word: msgspec.structs.replace(one, name=spoken_name(one.name, one.unit))
+            for word, one in device.signals.items()
+        },
+        commands={word: _spoken_command(one) for word, one in device.commands.items()},
+        streams={
+            word: msgspec.structs.replace(one, name=spoken_name(one.name))
+            for word, one in device.streams.items()
+        },
+    )
+
+
+def _spoken_command(command: Command) -> Command:
+    arguments = {
+        word: msgspec.structs.replace(one, name=spoken_name(one.name or word, one.unit))
+        if one.name
+        else one
+        for word, one in command.arguments.items()
+    }
+    # One that sets a single value has its unit in its own name, too.
+    unit = next((one.unit for one in arguments.values()), "") if len(arguments) == 1 else ""
+    name = spoken_name(command.name, unit)
+    return msgspec.structs.replace(command, name=name, arguments=arguments)
 
 
 def _without_robot(name: str, robot: str) -> str:

@@ -22,8 +22,21 @@ __all__ = ["Conversion", "conversion_between", "likely_unit", "shown_units", "un
 _MOST_DECIMALS = 9
 # Digits of a factor: what floats add beyond them is no part of a unit's definition.
 _DIGITS = 14
-# Letters of a word, in which more must be alike than in a symbol.
+# Letters of a word, which may have a slip; symbols are too short for that.
 _LONG = 5
+_LIKENESS = 0.66
+# What people call a unit, of those in the table.
+_NAMES = {
+    word.casefold(): symbol
+    for word, symbol in (
+        *((one.name, symbol) for symbol, one in UNITS.items()),
+        *((f"{one.name}s", symbol) for symbol, one in UNITS.items()),
+        *((one.name.replace("metre", "meter"), symbol) for symbol, one in UNITS.items()),
+        *((symbol, symbol) for symbol in UNITS if "/" in symbol),
+        *OTHER_NAMES.items(),
+    )
+    if symbol in MEASURES
+}
 
 
 class Conversion(NamedTuple):
@@ -109,10 +122,13 @@ def likely_unit(text: str) -> str:
     # Small letters for capitals first: ``KPA``, ``hz``.
     if text.casefold() in folded:
         return folded[text.casefold()]
-    # Words are alike by chance: ``volts`` and ``knots``.
-    words = {**{symbol: symbol for symbol in UNITS if symbol}, **OTHER_NAMES}
-    near = get_close_matches(text, words, n=4, cutoff=0.6 if len(text) < _LONG else 0.7)
-    meant = [words[word] for word in near if words[word] in MEASURES]
+    # Of a few letters every other symbol is alike: ``var`` is no slip of ``bar``.
+    over, line, _ = text.partition("/")
+    if not line and len(text) < _LONG:
+        return ""
+    meant = [_NAMES[word] for word in get_close_matches(text.casefold(), _NAMES, 4, _LIKENESS)]
+    if line:
+        meant = [one for one in meant if one.partition("/")[0] == over]
     kinds = {MEASURES[symbol].powers for symbol in meant}
     return meant[0] if len(kinds) == 1 else ""
 

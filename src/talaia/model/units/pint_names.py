@@ -27,6 +27,35 @@ _BASES = {
     "bit": "bit",
     "count": "count",
 }
+# Only with these does a prefix make a unit that anybody writes. pint takes any: ``amps`` would be
+# attometres a second, ``cfm`` hundredths of a femtometre, ``pct`` a millionth of a millionth carat.
+_PREFIXES = {
+    *("pico", "nano", "micro", "milli", "centi", "deci", "hecto", "kilo", "mega", "giga", "tera"),
+    *("kibi", "mebi", "gibi", "tebi"),
+}
+_PREFIXED = {
+    *("meter", "gram", "second", "ampere", "kelvin", "mole", "candela", "radian", "arcsecond"),
+    *("hertz", "newton", "pascal", "joule", "watt", "volt", "farad", "ohm", "siemens", "weber"),
+    *("tesla", "henry", "lumen", "lux", "becquerel", "gray", "sievert", "rem", "curie", "liter"),
+    *("bar", "torr", "byte", "bit", "baud", "electron_volt", "watt_hour"),
+    *(
+        "ampere_hour",
+        "calorie",
+        "poise",
+        "stokes",
+        "parsec",
+        "year",
+        "pixel",
+        "count",
+        "force_gram",
+    ),
+    *("kilogram_force", "pound_force", "watt_peak"),
+}
+# Short words that mean something else on a robot: points, charges, gas constants.
+_NO_UNITS = {
+    *("pint", "dry_pint", "point", "rads", "molar_gas_constant", "elementary_charge"),
+    *("speed_of_light", "number_meter", "absorbance_unit"),
+}
 
 
 @cache
@@ -40,10 +69,13 @@ def measure_by_pint(name: str) -> Measure | None:
     # A name only: pint would reckon with what looks like an expression.
     if not name.isalpha() and not name.startswith("°"):
         return None
+    meant = _meant_name(name)
+    if not meant:
+        return None
     try:
         # Levels (dB) and magnitudes have no even scale: three values tell.
         zero, one, two = (
-            _registry().Quantity(float(value), name).to_base_units() for value in (0, 1, 2)
+            _registry().Quantity(float(value), meant).to_base_units() for value in (0, 1, 2)
         )
     # Of what pint raises, much is no `PintError`; and an unknown unit must stop nothing.
     except Exception:  # noqa: BLE001
@@ -59,3 +91,12 @@ def measure_by_pint(name: str) -> Measure | None:
             return None
         powers[_BASES[base]] = int(exponent)
     return Measure(tuple(sorted(powers.items())), step, start)
+
+
+def _meant_name(name: str) -> str:
+    """Give pint's whole name of what a person means by a short one; empty for nothing."""
+    for prefix, unit, _plural in _registry().parse_unit_name(name):
+        known = unit not in _NO_UNITS or name.startswith(unit)
+        if known and (not prefix or (prefix in _PREFIXES and unit in _PREFIXED)):
+            return f"{prefix}{unit}"
+    return ""

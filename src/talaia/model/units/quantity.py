@@ -19,6 +19,8 @@ __all__ = ["PLAIN", "Quantity", "QuantityMismatch", "quantity_of_unit"]
 
 # What SI counts as pure numbers: a sum may hold them, and so may what they are multiplied with.
 _PURE = frozenset({"rad", "count"})
+# Apparent and reactive power, which units keep apart from what does work.
+_POWER = frozenset({"VA", "var"})
 
 
 class QuantityMismatch(TalaiaError):
@@ -133,6 +135,7 @@ class Quantity(NamedTuple):
 
 
 PLAIN = Quantity(None)
+_WATT = Quantity(MEASURES["W"].powers)
 
 
 def quantity_of_unit(symbol: str) -> Quantity:
@@ -140,8 +143,13 @@ def quantity_of_unit(symbol: str) -> Quantity:
     measure = measure_of(symbol)
     if measure is None:
         return PLAIN
-    powers = tuple(part for part in measure.powers if part[0] not in _PURE)
-    return Quantity(powers, measure.factor, measure.zero)
+    powers = Quantity(tuple(part for part in measure.powers if part[0] not in _PURE))
+    # A voltage times a current is either, and which one only its author knows.
+    for name, power in measure.powers:
+        for _ in range(abs(power) if name in _POWER else 0):
+            sign = 1 if power > 0 else -1
+            powers = powers.times(Quantity(((name, 1),)), -sign).times(_WATT, sign)
+    return Quantity(powers.powers, measure.factor, measure.zero)
 
 
 def _same_scale(one: Quantity, other: Quantity) -> bool:

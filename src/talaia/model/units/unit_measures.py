@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-__all__ = ["COUNTED", "MEASURES", "OTHER_NAMES", "Measure", "Powers"]
+__all__ = ["COUNTED", "MEASURES", "OTHER_NAMES", "RARE_MEASURES", "Measure", "Powers"]
 
 Powers = tuple[tuple[str, int], ...]
 
@@ -140,7 +140,8 @@ MEASURES: dict[str, Measure] = {
     # Forces, masses, what air and water hold.
     "N": _measure(kg=1, m=1, s=-2),
     "kN": _measure(1000.0, kg=1, m=1, s=-2),
-    "N·m": _energy(1.0),
+    # A torque does its work over an angle: nobody wants it in kWh.
+    "N·m": _measure(kg=1, m=2, rad=-1, s=-2),
     "kg": _measure(kg=1),
     "g": _measure(0.001, kg=1),
     "t": _measure(1000.0, kg=1),
@@ -152,7 +153,7 @@ MEASURES: dict[str, Measure] = {
     "µT": _measure(1e-6, A=-1, kg=1, s=-2),
     "lx": _measure(cd=1, m=-2, rad=2),
     "W/m²": _measure(kg=1, s=-3),
-    "mag/arcsec²": _measure(mag=1),
+    "mag/arcsec²": Measure((("mag/arcsec²", 1),), 1.0),
     "dBm": _measure(dBm=1),
     "dB": _measure(dB=1),
     # Data, in powers of ten.
@@ -168,12 +169,28 @@ MEASURES: dict[str, Measure] = {
     "ADU": _measure(ADU=1),
     "px": _measure(px=1),
 }
-# Things that are counted, beside what the table has. Never one for another.
+# Written here and there, and known to pint by no such name, or as something else.
+RARE_MEASURES: dict[str, Measure] = {
+    # Standard gravity; ``g`` alone is the gram.
+    "gₙ": _measure(9.80665, m=1, s=-2),
+    "PS": _power(735.49875),
+    "mmH2O": _pressure(9.80665),
+    "cmH2O": _pressure(98.0665),
+    "inH2O": _pressure(249.08891),
+    "G": _measure(1e-4, A=-1, kg=1, s=-2),
+    "mG": _measure(1e-7, A=-1, kg=1, s=-2),
+    "ppt": _measure(1e-12),
+    "kvar": _measure(1000.0, var=1),
+    "kVA": _measure(1000.0, VA=1),
+}
+# Things that are counted, beside what the table has, and scales of their own. Never one for
+# another: apparent and reactive power are no power that does work.
 COUNTED = frozenset(
     {
         *("pulses", "steps", "ticks", "samples", "messages", "msgs", "events", "packets"),
         *("frames", "photons", "electrons", "cycles", "errors", "people", "points", "pixels"),
-        *("mag", "dBi", "dBV", "dBA", "pH", "NTU", "PSU", "UVI", "items", "rows"),
+        *("mag", "dBi", "dBV", "dBA", "dBFS", "pH", "NTU", "FNU", "PSU", "UVI", "items", "rows"),
+        *("VA", "var", "breaths", "beats"),
     }
 )
 # Other names of units, to the table's symbol or to pint's own name: what people type who do not
@@ -210,7 +227,17 @@ OTHER_NAMES = {
     "l/min": "L/min",
     "lpm": "L/min",
     "LPM": "L/min",
+    "SLPM": "L/min",
+    "slpm": "L/min",
+    "sccm": "cm³/min",
+    "gpm": "gal/min",
+    "GPM": "gal/min",
+    "gph": "gal/h",
+    "cfm": "ft³/min",
+    "CFM": "ft³/min",
+    "fpm": "ft/min",
     "kph": "km/h",
+    "kmph": "km/h",
     "kmh": "km/h",
     "kt": "kn",
     "kts": "kn",
@@ -227,10 +254,36 @@ OTHER_NAMES = {
     "count": "counts",
     "cts": "counts",
     "cps": "counts/s",
+    "cpm": "counts/min",
+    "CPM": "counts/min",
+    # Of cameras, on a robot; feet are written ft/s.
+    "fps": "frames/s",
+    "FPS": "frames/s",
+    "sps": "samples/s",
+    "bpm": "1/min",
+    "BPM": "1/min",
+    "rev": "turn",
+    "r/min": "rpm",
+    "PSI": "psi",
+    "Bar": "bar",
+    "Torr": "torr",
+    "inWC": "inH2O",
+    "inWc": "inH2O",
+    "amp": "A",
+    "amps": "A",
+    "Amps": "A",
+    "g_n": "gₙ",
+    "gn": "gₙ",
+    "g0": "gₙ",
+    "pct": "%",
+    "dB(A)": "dBA",
+    "rads": "rad",
     "adu": "ADU",
     "pix": "px",
     "pixel": "px",
     '"': "arcsec",
     "'": "arcmin",
+    "\u2033": "arcsec",
+    "\u2032": "arcmin",
     "°R": "degR",
 }

@@ -13,7 +13,7 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from talaia.model.units.unit_measures import COUNTED, MEASURES, OTHER_NAMES, Measure
+from talaia.model.units.unit_measures import COUNTED, MEASURES, OTHER_NAMES, RARE_MEASURES, Measure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,13 +25,17 @@ _LONGEST_SYMBOL = 4
 # In letters; the longest that is in use, W/(m²·sr·nm), has a dozen.
 LONGEST_UNIT = 24
 # Letters of any alphabet, and the signs that stand for a unit.
-_NAME = r"[^\W\d_][^\W\d_]*|%|‰|°[^\W\d_]*|'|\""
+_LETTER = r"[^\W\d_⁰¹²³⁴⁵⁶⁷⁸⁹]"
+_NAME = rf"{_LETTER}+|%|‰|°{_LETTER}*|'|\""
 _TOKEN = re.compile(
     rf"\s*(?:(?P<name>{_NAME})(?:\^?(?P<power>[-−]?\d)|(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]))?"
-    r"|(?P<one>1)(?=\s*/)|(?P<sign>[·⋅×*/]))\s*"
+    r"|(?P<one>1)(?=\s*/)|(?P<sign>[·⋅×*/.]))\s*"
 )
 # ``W/(m²·K)``: what stands in the brackets is all below the line.
 _BELOW = re.compile(r"([^()]*)/\s*\(([^()/]*)\)\Z")
+# What a detector counts: a letter with a charge.
+_ELECTRONS = re.compile(r"\be[-⁻](?=[/·* ]|\Z)")
+_ENERGY, _LENGTH = MEASURES["J"].powers, MEASURES["m"].powers
 _RAISED = str.maketrans("⁻−⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 
 
@@ -39,22 +43,32 @@ _RAISED = str.maketrans("⁻−⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 def measure_of(text: str) -> Measure | None:
     """Tell what a unit measures; None where nobody knows it. No text makes it raise."""
     text = OTHER_NAMES.get(text, text)
-    known = MEASURES.get(text)
+    known = MEASURES.get(text) or RARE_MEASURES.get(text)
     if known is not None:
         return known
     if not text or len(text) > LONGEST_UNIT:
         return None
     # No unit is without dimension here, as a plain number is: what counts things names them.
-    factors = list(_factors(text.replace(" per ", "/")))
+    plain = _ELECTRONS.sub("electrons", text.replace(" per ", "/"))
+    factors = list(_factors(f"1{plain}" if plain.startswith("/") else plain))
     if not factors or None in factors:
         return None
-    product = Measure((), 1.0)
-    for factor in factors:
-        if factor is not None:
-            measure, power = factor
-            # A scale with a zero of its own has none in a product: W/°C is per degree.
-            product = measure if len(factors) == 1 and power == 1 else product.times(measure, power)
+    product = _product_of([factor for factor in factors if factor is not None])
     return product if math.isfinite(product.factor) and product.factor > 0 else None
+
+
+def _product_of(factors: list[tuple[Measure, int]]) -> Measure:
+    # A scale with a zero of its own has none in a product: W/°C is per degree.
+    if len(factors) == 1 and factors[0][1] == 1:
+        return factors[0][0]
+    product = Measure((), 1.0)
+    for measure, power in factors:
+        product = product.times(measure, power)
+    # A force and a lever are a torque: N·m, lbf·ft, kgf·cm.
+    levers = [power == 1 and measure.powers == _LENGTH for measure, power in factors]
+    if product.powers == _ENERGY and len(factors) == len("FL") and any(levers):
+        return product.times(MEASURES["rad"], -1)
+    return product
 
 
 def _factors(text: str) -> Iterator[tuple[Measure, int] | None]:
@@ -85,6 +99,9 @@ def _factors(text: str) -> Iterator[tuple[Measure, int] | None]:
         if token["one"]:
             continue
         power = int((token["power"] or token["raised"] or "1").translate(_RAISED))
+        if not power:
+            yield None
+            return
         measure = _measure_of_name(token["name"])
         yield measure and (measure, sign * power)
         sign = 1
@@ -94,7 +111,7 @@ def _factors(text: str) -> Iterator[tuple[Measure, int] | None]:
 
 def _measure_of_name(name: str) -> Measure | None:
     name = OTHER_NAMES.get(name, name)
-    found = MEASURES.get(name)
+    found = MEASURES.get(name) or RARE_MEASURES.get(name)
     if found is not None:
         return found
     if name in COUNTED:

@@ -31,6 +31,7 @@ __all__ = [
     "quoting_powers_of_ten",
     "read_document",
     "read_on",
+    "require_shallow",
 ]
 
 Value: TypeAlias = "bool | int | float | str | bytes | date | list[Value] | dict[Key, Value] | None"
@@ -49,6 +50,7 @@ LEAST_INT, GREATEST_INT = -(2**63), 2**64 - 1
 # More than any way to write 64 bits (in twos: 64 digits, underscores between them, and a prefix).
 MAX_DIGITS = 200
 _JOINED = "two mappings, read as one"
+_NOTHING = "nothing stands where a name belongs"
 _NO_NAME = "a list or a mapping stands where a name belongs"
 _NO_TAG = "leave it out; a text that begins with ! stands in quotes"
 _IN_QUOTES = "put it in quotes if it is a text"
@@ -64,7 +66,7 @@ _NO_NUMBER = re.compile(
     r"[-+]?(0[0-9_]+|[0-9][0-9_]*(:[0-9_]+)+(\.[0-9_]*)?|0b.*|.*_.*)\Z", re.IGNORECASE
 )
 _POWER_OF_TEN = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+\Z")
-_PLAIN = {_TAG + tag for tag in ("null", "bool", "int", "float", "str", "binary", "timestamp")}
+_PLAIN = {_TAG + tag for tag in ("null", "bool", "int", "float", "str")}
 _MAPPING, _SEQUENCE = (None, "!", _TAG + "map"), (None, "!", _TAG + "seq")
 
 
@@ -123,6 +125,27 @@ def document_of(text: str, twice: list[yaml.MarkedYAMLError] | None = None) -> o
         return _Document(parser, twice).read_document()
     finally:
         parser.dispose()
+
+
+def require_shallow(text: str) -> None:
+    """Refuse what is nested deeper than any description, before a reader that calls itself.
+
+    libyaml's own composer does, in C: a hundred thousand brackets end the process.
+
+    Raises:
+        NotReadable: it is nested deeper than `MAX_DEPTH`.
+
+    """
+    depth = 0
+    try:
+        for event in yaml.parse(text, Loader=_Loader):
+            depth += isinstance(event, yaml.CollectionStartEvent)
+            depth -= isinstance(event, yaml.CollectionEndEvent)
+            if depth > MAX_DEPTH + 1:
+                raise NotReadable("$", f"nested deeper than {MAX_DEPTH}", "look for brackets")
+    # What is no YAML ends whoever reads it at the same place.
+    except (yaml.YAMLError, ValueError):
+        return
 
 
 def read_document(text: str) -> object:
@@ -235,6 +258,8 @@ class _Document:
         self._next = parser.get_event
         # What ``&name`` stands for, and how many values that is.
         self._anchors: dict[str, _Anchored] = {}
+        # What is being read of those.
+        self._open: list[object] = []
         # Most words come often: tags are resolved once for each.
         self._known: dict[str, Value] = {}
         # Values so far; what an alias repeats counts each time.
@@ -264,6 +289,10 @@ class _Document:
                 f"nested deeper than {MAX_DEPTH}", event, "look for brackets that are too many"
             )
         before = self._size
+        anchor = getattr(event, "anchor", None)
+        is_part = not isinstance(event, yaml.AliasEvent) and anchor is not None
+        if is_part:
+            self._open.append(anchor)
         value: Value
         if isinstance(event, yaml.MappingStartEvent):
             value = self._read_mapping(event, depth)
@@ -271,6 +300,8 @@ class _Document:
             value = self._read_sequence(event, depth)
         else:
             return self._read_alias(event)
+        if is_part:
+            self._open.pop()
         return self._remember_anchor(event.anchor, value, self._size - before + 1)
 
     def _remember_anchor(self, anchor: str | None, value: Value, size: int) -> Value:
@@ -282,6 +313,12 @@ class _Document:
     def _read_alias(self, event: object) -> Value:
         assert isinstance(event, yaml.AliasEvent)  # noqa: S101 - no other event begins a value
         known = self._anchors.get(event.anchor or "")
+        if event.anchor in self._open:
+            raise _yaml_error(
+                f"this stands within what &{event.anchor} means, which would have no end",
+                event,
+                "write out what is meant",
+            )
         if known is None:
             raise _yaml_error(
                 f"there is no &{event.anchor} before this",
@@ -297,13 +334,15 @@ class _Document:
 
     def _read_mapping(self, event: yaml.MappingStartEvent, depth: int) -> Value:
         if event.tag not in _MAPPING:
-            raise _yaml_error(f"the tag {event.tag} has no meaning here", event, _NO_TAG)
+            raise _yaml_error(_no_meaning(event.tag), event, _NO_TAG)
         made: dict[Key, Value] = {}
         while not isinstance(at := self._next(), yaml.MappingEndEvent):
             # In quotes it is a key as any other.
             if isinstance(at, yaml.ScalarEvent) and at.value == "<<" and at.implicit[0]:
                 raise _yaml_error("merge keys (<<) are not read", at, "write out what is merged")
             key = self._read_value(at, depth + 1)
+            if key is None:
+                raise _yaml_error(_NOTHING, at, "write a word before the colon, or put ~ in quotes")
             if not isinstance(key, str | int | float | bool):
                 raise _yaml_error(_NO_NAME, at, "write a word, then :; a text with { in quotes")
             if key not in made:
@@ -326,7 +365,7 @@ class _Document:
 
     def _read_sequence(self, event: yaml.SequenceStartEvent, depth: int) -> Value:
         if event.tag not in _SEQUENCE:
-            raise _yaml_error(f"the tag {event.tag} has no meaning here", event, _NO_TAG)
+            raise _yaml_error(_no_meaning(event.tag), event, _NO_TAG)
         made: list[Value] = []
         while not isinstance(at := self._next(), yaml.SequenceEndEvent):
             made.append(self._read_value(at, depth + 1))
@@ -354,7 +393,7 @@ class _Document:
 
     def _value_of_tag(self, tag: str, event: yaml.ScalarEvent) -> Value:
         if tag not in _PLAIN:
-            raise _yaml_error(f"the tag {tag} has no meaning here", event, _NO_TAG)
+            raise _yaml_error(_no_meaning(tag), event, _NO_TAG)
         if tag == _INT and len(event.value) > MAX_DIGITS:
             # Before it is worked out: PyYAML reads numbers to the base of 60, each digit slower.
             raise _yaml_error(_TOO_LARGE, event, _IN_QUOTES)
@@ -367,6 +406,11 @@ class _Document:
         if isinstance(value, int) and not LEAST_INT <= value <= GREATEST_INT:
             raise _yaml_error(_TOO_LARGE, event, _IN_QUOTES)
         return value
+
+
+def _no_meaning(tag: str) -> str:
+    written = f"!!{tag.removeprefix(_TAG)}" if tag.startswith(_TAG) else tag
+    return f"the tag {written!r} has no meaning here"
 
 
 _Words = TypeVar("_Words", bound=type[yaml.resolver.Resolver])

@@ -40,10 +40,11 @@ __all__ = [
 
 _BEGIN = "begin with: talaia: 1; a first description comes from: talaia init"
 MAX_BYTES = 4 * 1024 * 1024
+_WIDE_TEXT = ("is UTF-16", "save it as UTF-8")
 # What is taken for a description, by its first bytes.
 _OTHER_FILES = (
-    (b"\xff\xfe", "is UTF-16", "save it as UTF-8"),
-    (b"\xfe\xff", "is UTF-16", "save it as UTF-8"),
+    (b"\xff\xfe", *_WIDE_TEXT),
+    (b"\xfe\xff", *_WIDE_TEXT),
     (b"\x1f\x8b", "is packed (gzip)", "unpack it: gunzip"),
     (b"PK\x03\x04", "is packed (zip)", "unpack it: unzip"),
 )
@@ -135,6 +136,9 @@ def text_of(path: Path) -> str:
     except OSError as error:
         reason = error.strerror or str(error)
         raise NotReadable(str(path), f"cannot be read: {reason}") from error
+    # UTF-16 without its mark: every second byte of what is written in our letters is 0.
+    if data[1:2] == b"\0" or data[:1] == b"\0":
+        raise NotReadable(str(path), *_WIDE_TEXT)
     try:
         return data.decode()
     except UnicodeDecodeError as error:
@@ -148,9 +152,15 @@ def _no_text(path: Path, data: bytes, at: int) -> NotReadable:
             return NotReadable(str(path), problem, remedy)
     if b"\0" in data:
         return NotReadable(str(path), "is a program or data, and no text", "choose the right file")
-    before = data[:at]
-    where = f"{path}: line {before.count(10) + 1}, column {at - before.rfind(10)}"
-    return NotReadable(where, "a letter that is not written in UTF-8", "save the file as UTF-8")
+    before = data[:at].decode()
+    line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+    # Where most of such files come from, this is what stands there.
+    letter = data[at : at + 1].decode("cp1252", "replace")
+    seen = f"; for Windows it is {letter}" if letter.isprintable() and letter != "\ufffd" else ""
+    problem = f"a letter that is not written in UTF-8 (the byte 0x{data[at]:02X}{seen})"
+    error = NotReadable(f"line {line}, column {column}", problem, "save the file as UTF-8")
+    error.text = data.decode(errors="replace")
+    return error
 
 
 def _bytes_of(path: Path) -> bytes:

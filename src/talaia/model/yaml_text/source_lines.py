@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import yaml
 
+from talaia.model.errors import NotReadable
+from talaia.model.yaml_text.document import require_shallow
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -31,9 +34,10 @@ class SourcePositions:
         """Read the text; one that is not YAML has no places but those that errors name."""
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
         try:
+            require_shallow(text)
             self._root: yaml.Node | None = yaml.compose(text, Loader=loader)
         # Without a tree there are the lines that its errors name.
-        except (yaml.YAMLError, ValueError, RecursionError):
+        except (NotReadable, yaml.YAMLError, ValueError, RecursionError):
             self._root = None
 
     def position_of(self, where: str) -> SourcePosition:
@@ -85,7 +89,15 @@ def _parts_of(node: yaml.Node, key: str, index: str) -> Iterator[tuple[yaml.Node
 def _said_as(name: yaml.ScalarNode) -> tuple[str, ...]:
     """Give what a step of a path may be for a key: of one with a point, the part before it."""
     # Nothing below such a key is found, and it is the key itself that is wrong.
-    return name.value, _truth_of(name), name.value.partition(".")[0]
+    return name.value, _truth_of(name), _number_of(name), name.value.partition(".")[0]
+
+
+def _number_of(name: yaml.ScalarNode) -> str:
+    """Give the whole part of what a key such as ``1e3`` is read as; empty for any other."""
+    try:
+        return str(float(name.value)).partition(".")[0] if name.value[:1].isdigit() else ""
+    except ValueError:
+        return ""
 
 
 def _truth_of(name: yaml.ScalarNode) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.yaml_text.foreign_letters import with_own_letters
 from talaia.model.yaml_text.key_units import number_remedy
 from talaia.model.yaml_text.meant_words import quoted_text
 
@@ -34,6 +35,8 @@ _PLAIN_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
 # For some languages to the base of 8.
 _WITH_ZERO = re.compile(r"[-+]?0[0-9]+(?:\.[0-9]*)?\Z")
 _WITH_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
+_POINTS = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+){2,}\Z")
+_NO_NUMBERS = {"nan", "none", "null", "n/a", "na", "inf", "infinity", "undefined", "unknown"}
 _WITH_COLON = re.compile(r"[-+]?[0-9]+(?::[0-9.]+)+\Z")
 _OTHER_BASE = re.compile(r"0(?:o[0-7]+|b[01]+)\Z", re.IGNORECASE)
 _UNSEEN = re.compile("[\u00a0\u2000-\u200f\u202f\u2060\u3000\ufeff]")
@@ -110,8 +113,8 @@ def _as_number(value: object, key: str, *, whole: bool) -> str:
     text = value.strip()
     if (unseen := _UNSEEN.search(value)) is not None:
         return f"delete the character that is not seen (U+{ord(unseen[0]):04X})"
-    bare = text.strip(_QUOTE_MARKS).replace("_", "")
-    # In the quotes of a word processor, or with the digits in groups.
+    bare = with_own_letters(text.strip(_QUOTE_MARKS).replace("_", ""))
+    # In the quotes of a word processor, with the digits in groups, or those of another alphabet.
     if bare != text and _PLAIN_NUMBER.match(bare):
         return f"write: {bare}"
     if text[:1] in _MINUS_SIGNS and _PLAIN_NUMBER.match(text[1:]):
@@ -131,6 +134,10 @@ def _as_number(value: object, key: str, *, whole: bool) -> str:
         if math.isinf(float(text)):
             return "no number is as large here"
         return f"leave out the quotes: {text}"
+    if _POINTS.match(text):
+        return "write one number with one point"
+    if text.lower().lstrip("+-.") in _NO_NUMBERS:
+        return "write a number that there is; leave the key out if nobody knows it"
     # As half of the world writes numbers.
     if _WITH_COMMA.match(text):
         return f"write a point: {text.replace(',', '.')}"

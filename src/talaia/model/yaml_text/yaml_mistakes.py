@@ -36,10 +36,12 @@ _OWN_QUOTES = re.compile(r"(?P<head>.*?:\s+)(?P<mark>['\"])(?P<inner>.+)(?P=mark
 # ``name: Base, kind: vehicle``, and ``max_speed = 0.5``.
 _TWO_KEYS = re.compile(r"[^,:]+,\s*(?P<second>\w+):\s")
 _EQUALS = re.compile(r"(?P<key>\w+)\s*=\s*(?P<value>\S.*)\Z")
+_WIDE_COLON = re.compile("[\uff1a\ufe55\ua789\u2236\u05c3]")
 # Only spaces indent; a tab among or behind them.
 _TAB = re.compile(r" *\t\s*\S")
 # Numbers of lines in one sentence.
 _MOST_SHOWN = 8
+_BEGIN = "begin with: talaia: 1; a first description comes from: talaia init"
 _IN_QUOTES = "put a text with any of : { } [ ] , # & * ! | > % @ in quotes"
 
 
@@ -68,6 +70,8 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
     context = error.context_mark
     # Where what is not closed begins; the parser looks for its end to the end of the text.
     begin = (context.line, context.column) if context else (at, column)
+    if text.strip() in ("...", "--- ...", "---\n..."):
+        return TextMistake(1, 1, "there is no description in it", _BEGIN)
     # First: where one of these stands the parser says something else each time.
     for look in (_foreign_line, _odd_space):
         if (told := look(lines, at)) is not None:
@@ -243,6 +247,16 @@ def _without_colon(lines: list[str], at: int, column: int) -> TextMistake:
             f"write: {written}",
             f"{_indent_of(lines[at])}{written}",
         )
+    if wide := _WIDE_COLON.search(lines[at]):
+        # As they are typed with a keyboard for Chinese or Japanese.
+        mended = f"{lines[at][: wide.start()]}: {lines[at][wide.end() :].lstrip()}"
+        return TextMistake(
+            at + 1,
+            wide.start() + 1,
+            f"this is no colon, though it looks like one (U+{ord(wide[0]):04X})",
+            f"write: {mended.strip()}",
+            mended,
+        )
     # What is behind # is no part of it.
     word = said.split("#")[0].strip()
     return TextMistake(
@@ -414,6 +428,10 @@ def _last_opened(lines: list[str]) -> tuple[str, int, int]:
 
 
 def _odd_indent(lines: list[str], first: int, at: int, column: int) -> TextMistake:
+    if at < len(lines) and (end := lines[at].strip()[:1]) in _CLOSED_BY.values() and end:
+        begin = len(_indent_of(lines[at]))
+        problem = f"this {end} closes nothing that was opened"
+        return TextMistake(at + 1, begin + 1, problem, "delete it", "")
     # It ends at the next quote in the text, and what follows that makes no sense.
     quote = _unclosed_quote(lines, first, at)
     if quote is not None:

@@ -32,7 +32,8 @@ from talaia.sim.observatory.control_pipe import ControlPipe, act_on
 from talaia.sim.observatory.models.ticket import Ticket
 from talaia.sim.observatory.request_log import RequestLog
 from talaia.sim.observatory.servers.base import Ask, Server, Stamped, Value
-from talaia.sim.observatory.servers.catalog import DEVICES, ENCLOSURES, MONTSEC, make_server
+from talaia.sim.observatory.servers.catalog import make_server
+from talaia.sim.observatory.servers.devices import DEVICES, ENCLOSURES, MONTSEC
 
 if TYPE_CHECKING:
     from collections.abc import Callable

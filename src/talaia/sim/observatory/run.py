@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from talaia.sim.observatory.control_pipe import ControlPipe
 from talaia.sim.observatory.request_log import RequestLog
-from talaia.sim.observatory.servers.catalog import DEVICES, ENCLOSURES, MONTSEC, make_server
+from talaia.sim.observatory.servers.devices import DEVICES, ENCLOSURES, MONTSEC
 from talaia.sim.startup import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
@@ -94,6 +94,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run_servers(options: argparse.Namespace, start: Start) -> None:
     """Build every part, last built first ended."""
+    # With NumPy, which wrong words need not wait for.
+    from talaia.sim.observatory.servers.catalog import make_server
+
     with needing_ros():
         from talaia.sim.observatory.ros2_shell import Shells
     names: list[str] = options.only or list(DEVICES)

@@ -20,7 +20,7 @@ from talaia.sim.observatory.models.camera import CcdCamera, Scene
 from talaia.sim.observatory.models.focuser import Focuser
 from talaia.sim.observatory.models.optics import best_focus
 from talaia.sim.observatory.models.telescope import Telescope
-from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.devices import MONTSEC
 
 NIGHT = 1_795_302_000  # 2026-11-21 23:00 UTC
 TARGET = (40.0, 60.0)

@@ -1,10 +1,9 @@
-"""The devices of the simulated observatory, and how the server of each is made."""
+"""How the server of each device of the simulated observatory is made."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.model.units.astronomy import Observer
 from talaia.sim.observatory.models.camera import CcdCamera, Scene
 from talaia.sim.observatory.models.clamshell import Clamshell
 from talaia.sim.observatory.models.enclosure import SimulatedEnclosure
@@ -16,6 +15,7 @@ from talaia.sim.observatory.models.weather import Weather
 from talaia.sim.observatory.servers.all_sky import AllSkyServer
 from talaia.sim.observatory.servers.camera import CameraServer
 from talaia.sim.observatory.servers.cctv import CctvServer
+from talaia.sim.observatory.servers.devices import MONTSEC
 from talaia.sim.observatory.servers.dome import ClamshellServer, DomeServer
 from talaia.sim.observatory.servers.filter_wheel import FilterWheelServer
 from talaia.sim.observatory.servers.focuser import FocuserServer
@@ -27,27 +27,11 @@ from talaia.sim.observatory.servers.weather import WeatherServer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.model.units.astronomy import Observer
     from talaia.sim.observatory.models.ticket import Ticket
     from talaia.sim.observatory.servers.base import Server
 
-__all__ = ["DEVICES", "ENCLOSURES", "MONTSEC", "make_server"]
-
-# The Montsec observatory in Catalonia: degrees north, degrees east, metres.
-MONTSEC = Observer(42.0517, 0.7297, 1568.0)
-# Kinds of roof: a dome with a slit, which turns, and a clamshell, which does not.
-ENCLOSURES = ("dome", "clamshell")
-DEVICES = (
-    "dome",
-    "telescope",
-    "weather",
-    "camera",
-    "focuser",
-    "wheel",
-    "pdu",
-    "cctv",
-    "allsky",
-    "observatory",
-)
+__all__ = ["make_server"]
 
 
 def make_server(
