@@ -36,7 +36,6 @@ from made_sites import DAY_S, FAULTS, STEP_S, Fault, MadeSite, make_site
 
 from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.anomaly.budget.thresholds import site_thresholds
-from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.episodes import Episodes
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.runner import DetectorRunner
@@ -115,11 +114,9 @@ def _live(
         rows = values[by - 1 :: by, group[1]]
         turns += _watch_residuals(group[0], episodes, times[by - 1 :: by], rows)
     for runner, columns in () if site.alone else site.groups:
-        rows = values[by - 1 :: by, columns]
-        for time_us, row in zip(times[by - 1 :: by].tolist(), rows, strict=True):
-            turn = runner.score_row(time_us, row, -1)
-            if turn is not None:
-                turns.append((time_us, runner.address, isinstance(turn, AnomalyBegan)))
+        for at in range(by - 1, len(times), by * _ROWS):
+            part = slice(at, at + by * _ROWS, by)
+            turns += _watch_group(runner, times[part], values[part, columns])
     return turns
 
 
@@ -151,6 +148,63 @@ def _score_many(
             if turn == "ended":
                 runner.episodes.end_episode()
         done += 1
+    return turns
+
+
+def _watch_group(
+    runner: GroupRunner, times: NDArray[np.int64], rows: Floats
+) -> list[tuple[int, str, bool]]:
+    """Do what `GroupRunner.score_row` does row by row, with all residuals at once."""
+    detector, own, at_once = runner.detector, len(runner.members), []
+    for time_us, row in zip(times.tolist(), rows[:, :own], strict=True):
+        detector.see_row(time_us, row)
+        score = 0.0 if runner.group.is_single else detector.score
+        current = detector.current
+        at_once.append((score, current.distance if current is not None and score > 0.0 else 0.0))
+    scores, distances = np.array(at_once).T
+    rated = np.column_stack((distances, runner.residuals.see_rows(times, rows)))
+    runner.tail.record_many(times, (rated > 0.0).any(axis=1), rated)
+    needs = np.full(rated.shape[1], np.inf)
+    needs[: len(runner.needs)] = np.maximum(runner.needs, 1e-300)
+    may_begin = np.ones(len(times), bool)
+    excess = np.zeros(len(times))
+    if runner.needs:
+        if not runner.residuals.trusted:
+            raise SystemExit("residuals have thresholds before they have learned")
+        may_begin, excess = (rated >= needs).any(axis=1), (rated / needs)[:, 1:].max(axis=1)
+    bar = runner.episodes.bar
+    coming = (np.maximum(scores, _score_of_excess(excess, bar)) >= bar) & may_begin
+    # One that is on goes on down to half of the threshold.
+    goes_on = np.maximum(scores, _score_of_excess(2.0 * excess, bar))
+    return _follow_episodes(runner, times, coming, goes_on)
+
+
+def _score_of_excess(excess: Floats, bar: float) -> Floats:
+    beyond = bar + (1.0 - bar) * (1.0 - 1.0 / np.maximum(excess, 1.0))
+    return np.where(excess < 1.0, bar * excess, beyond)
+
+
+def _follow_episodes(
+    runner: GroupRunner, times: NDArray[np.int64], coming: NDArray[np.bool_], goes_on: Floats
+) -> list[tuple[int, str, bool]]:
+    """Tell where anomalies begin and end: by where one may begin, and scores while one is on."""
+    episodes, turns, at = runner.episodes, [], 0
+    while at < len(times):
+        if episodes.began_us < 0:
+            found = np.flatnonzero(coming[at:])
+            calm = int(found[0]) if len(found) else len(times) - at
+            episodes.pass_calm(calm)
+            at += calm
+            if at == len(times):
+                break
+        # That it may begin is known: its score counts only while it is on.
+        score = 1.0 if episodes.began_us < 0 else float(goes_on[at])
+        turn = episodes.update_score(int(times[at]), score)
+        if turn is not None:
+            turns.append((int(times[at]), runner.address, turn == "began"))
+            if turn == "ended":
+                episodes.end_episode()
+        at += 1
     return turns
 
 

@@ -215,8 +215,10 @@ class ModalGroup(msgspec.Struct, kw_only=True):
         self.members = {at: self._new_member(int(count)) for at, count in enumerate(counts)}
 
     def _levels_of(self, rows: Floats) -> Floats:
+        levels = (rows - self.center) / self.scale
         # A value that is not there lies in the middle of all.
-        return np.nan_to_num((rows - self.center) / self.scale)
+        levels[np.isnan(levels)] = 0.0
+        return levels
 
     def _nearest_mode(self, row: Floats) -> int:
         middles = self.middles.reshape(-1, len(self.signals))
