@@ -155,13 +155,10 @@ def _watch_group(
     runner: GroupRunner, times: NDArray[np.int64], rows: Floats
 ) -> list[tuple[int, str, bool]]:
     """Do what `GroupRunner.score_row` does row by row, with all residuals at once."""
-    detector, own, at_once = runner.detector, len(runner.members), []
-    for time_us, row in zip(times.tolist(), rows[:, :own], strict=True):
-        detector.see_row(time_us, row)
-        score = 0.0 if runner.group.is_single else detector.score
-        current = detector.current
-        at_once.append((score, current.distance if current is not None and score > 0.0 else 0.0))
-    scores, distances = np.array(at_once).T
+    own = rows[:, : len(runner.members)]
+    scores, distances = np.array(runner.detector.see_rows(times, own, [-1] * len(rows)))
+    if runner.group.is_single:
+        scores, distances = np.zeros((2, len(rows)))
     rated = np.column_stack((distances, runner.residuals.see_rows(times, rows)))
     runner.tail.record_many(times, (rated > 0.0).any(axis=1), rated)
     needs = np.full(rated.shape[1], np.inf)

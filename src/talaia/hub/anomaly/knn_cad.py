@@ -150,7 +150,8 @@ class Nearest(AnomalyDetector, kw_only=True):
         if len(self.forgiven):
             apart = np.append(apart, _squared_distances(self.forgiven.reshape(-1, LENGTH), newest))
         near = min(NEIGHBOURS, len(apart))
-        nearest = np.sqrt(np.partition(apart, near - 1)[:near])
+        # In order, so that their mean is the same to the last bit as of many at once.
+        nearest = np.sqrt(np.sort(np.partition(apart, near - 1)[:near]))
         # A stretch that was called usual is usual by itself, without two others like it.
         if len(self.forgiven) and float(apart[have:].min()) < float(np.square(nearest.mean())):
             return math.sqrt(float(apart[have:].min()))
