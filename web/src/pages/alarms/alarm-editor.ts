@@ -96,13 +96,15 @@ export class AlarmEditor extends LitElement {
         <label class="tick wide"
           ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> ${msg("Record the raw topics around it")}</label
         >
+        <t-field label=${msg("How far back it is tried")}
+          ><select @change=${this.onWindow}>${renderOptions(trialWindows(), String(this.hours))}</select></t-field
+        >
       </form>
       ${renderTrials(this.preview, this.earlier, this.sites.store?.zoneOf(this.site) ?? "UTC")}
       ${renderAdvice(this.action.problem)}
       <div class="actions">
         <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>${msg("Keep")}</t-button>
         <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>${msg("Try it on the past")}</t-button>
-        <select aria-label=${msg("How far back it is tried")} @change=${this.onWindow}>${renderOptions(trialWindows(), String(this.hours))}</select>
         <t-button @click=${this.fireClose}>${msg("Cancel")}</t-button>
         ${this.alarm === "" ? nothing : html`<t-button @click=${this.removing.opener(this.alarm)}>${msg("Remove")}</t-button>`}
       </div>

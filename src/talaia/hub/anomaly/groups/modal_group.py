@@ -189,12 +189,7 @@ class ModalGroup(msgspec.Struct, kw_only=True):
     def see_rows(
         self, times: NDArray[np.int64], rows: Floats, states: Sequence[int]
     ) -> tuple[list[float], list[float]]:
-        """Take rows in their order as `see_row` does one by one, faster.
-
-        Args:
-            times: rising, and newer than all that came before (µs) (n,).
-            rows: a value of each signal, NaN where there is none (n, signals).
-            states: the machine's mode at each; -1: not known.
+        """Take rows (n, signals) in their order as `see_row` does one by one, faster.
 
         Returns:
             The score after each, and the squared distance in limits that it stands on; 0: none.
@@ -270,10 +265,10 @@ class ModalGroup(msgspec.Struct, kw_only=True):
 
     def _modes_of(self, rows: Floats) -> NDArray[np.intp]:
         """Give the number of the mode of each row (rows, signals)."""
-        levels, middles = self._levels_of(rows), self.middles.reshape(-1, len(self.signals))
-        if not self.widths.size:
-            return assign_modes(levels, middles)
-        return likeliest_modes(levels, middles, self.widths.reshape(middles.shape))
+        middles, widths = (
+            one.reshape(-1, len(self.signals)) for one in (self.middles, self.widths)
+        )
+        return likeliest_modes(self._levels_of(rows), middles, widths)
 
     def _mode_of(self, row: Floats) -> int:
         return int(self._modes_of(row[np.newaxis])[0])

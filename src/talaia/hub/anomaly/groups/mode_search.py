@@ -72,9 +72,11 @@ def mode_widths(levels: Floats, modes: NDArray[np.intp], count: int) -> Floats:
 def likeliest_modes(levels: Floats, centers: Floats, widths: Floats) -> NDArray[np.intp]:
     """Give the number of the mode that each row fits best, in spreads of that mode.
 
-    A mode in which a signal hardly moves is no place for a row in which it is elsewhere, however
-    near all other signals are to its middle.
+    Without widths (of a version before) it is the nearest one. A mode in which a signal hardly
+    moves is no place for a row in which it is elsewhere, however near the other signals are.
     """
+    if not widths.size:
+        return assign_modes(levels, centers)
     off = (levels[:, np.newaxis, :] - centers[np.newaxis]) / widths[np.newaxis]
     # What is far off in all modes, as a sensor that fails, tells nothing about which it is.
     unlike = np.minimum(off * off, _FAR * _FAR).sum(axis=2) + 2.0 * np.log(widths).sum(axis=1)
