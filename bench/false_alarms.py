@@ -36,7 +36,6 @@ from made_sites import DAY_S, FAULTS, STEP_S, Fault, MadeSite, make_site
 
 from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.anomaly.budget.thresholds import site_thresholds
-from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.episodes import Episodes
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.runner import DetectorRunner
@@ -95,94 +94,129 @@ def _new_site(made: MadeSite, *, only_residuals: bool) -> _Site:
     return site
 
 
-def _live(
-    site: _Site, first: int, upto: int, instead: Floats | None = None
-) -> list[tuple[int, str, bool]]:
-    """Show rows (or others instead) as live, many at once; give whose anomalies turned, and when.
+@dataclass
+class _Rated:
+    """What a detector said of rows: times (n,), scores (n,), magnitudes (n, m)."""
+
+    runner: EpisodeRunner
+    episodes: Episodes
+    times: NDArray[np.int64]
+    scores: Floats
+    magnitudes: Floats
+
+    def part(self, from_us: int, to_us: int) -> _Rated:
+        """Give a stretch of it (µs)."""
+        at = slice(*np.searchsorted(self.times, (from_us, to_us)))
+        return _Rated(
+            self.runner, self.episodes, self.times[at], self.scores[at], self.magnitudes[at]
+        )
+
+
+def _rate_rows(site: _Site, first: int, upto: int, instead: Floats | None = None) -> list[_Rated]:
+    """Show rows (or others instead) to all detectors; what they say knows of no threshold."""
+    times = site.made.time_s[first:upto] * 1_000_000
+    values = site.made.values[first:upto] if instead is None else instead
+    found = []
+    for column, runner in enumerate(site.singles):
+        said = [
+            runner.detector.rate_many(times[at : at + _ROWS], values[at : at + _ROWS, column])
+            for at in range(0, len(times), _ROWS)
+        ]
+        scores, rated = (np.concatenate(one) for one in zip(*said, strict=True))
+        found.append(_Rated(runner, runner.episodes, times, scores, rated))
+    # Of several values in a step the last one counts.
+    by = _GROUP_S // STEP_S
+    times = times[by - 1 :: by]
+    for place, (runner, columns) in enumerate(site.groups):
+        rows = values[by - 1 :: by, columns]
+        scores, distances = np.zeros((2, len(rows)))
+        if not site.alone and not runner.group.is_single:
+            own = rows[:, : len(runner.members)]
+            scores, distances = np.array(runner.detector.see_rows(times, own, [-1] * len(rows)))
+        rated = np.column_stack((distances, runner.residuals.see_rows(times, rows)))
+        episodes = site.alone[place] if site.alone else runner.episodes
+        found.append(_Rated(runner, episodes, times, scores, rated))
+    return found
+
+
+def _follow(said: _Rated) -> list[tuple[int, str, bool]]:
+    """Do with what a detector said what the hub does: tell whose anomalies turned, and when.
 
     True where one began.
     """
-    times = site.made.time_s[first:upto] * 1_000_000
-    values = site.made.values[first:upto] if instead is None else instead
-    turns: list[tuple[int, str, bool]] = []
-    for column, runner in enumerate(site.singles):
-        for at in range(0, len(times), _ROWS):
-            part = slice(at, at + _ROWS)
-            turns += _score_many(runner, times[part], values[part, column])
-    # Of several values in a step the last one counts.
-    by = _GROUP_S // STEP_S
-    for group, episodes in zip(site.groups, site.alone, strict=False):
-        rows = values[by - 1 :: by, group[1]]
-        turns += _watch_residuals(group[0], episodes, times[by - 1 :: by], rows)
-    for runner, columns in () if site.alone else site.groups:
-        rows = values[by - 1 :: by, columns]
-        for time_us, row in zip(times[by - 1 :: by].tolist(), rows, strict=True):
-            turn = runner.score_row(time_us, row, -1)
-            if turn is not None:
-                turns.append((time_us, runner.address, isinstance(turn, AnomalyBegan)))
-    return turns
-
-
-def _score_many(
-    runner: DetectorRunner, times: NDArray[np.int64], values: Floats
-) -> list[tuple[int, str, bool]]:
-    """Do what `DetectorRunner.score_sample` does one by one, with all magnitudes at once."""
+    runner, times, rated = said.runner, said.times, said.magnitudes
+    if isinstance(runner, GroupRunner):
+        return _follow_group(said)
     learned = min(runner.learning, len(times))
-    scores, rated = runner.detector.rate_many(times, values)
-    strong = scores >= runner.episodes.bar
+    strong = said.scores >= said.episodes.bar
     runner.tail.record_many(times[learned:], strong[learned:], rated[learned:])
     enough = np.ones(len(times), bool)
     if runner.needs:
         enough = (rated >= np.array(runner.needs)).any(axis=1)
     turns, done = [], 0
     while done < len(times):
-        if runner.episodes.began_us < 0:
+        if said.episodes.began_us < 0:
             coming = np.flatnonzero(strong[done:] & enough[done:])
             calm = int(coming[0]) if len(coming) else len(times) - done
-            runner.episodes.pass_calm(calm)
+            said.episodes.pass_calm(calm)
             done += calm
             if done == len(times):
                 break
-        turn = runner.episodes.update_score(
-            int(times[done]), float(scores[done]), may_begin=bool(enough[done])
+        turn = said.episodes.update_score(
+            int(times[done]), float(said.scores[done]), may_begin=bool(enough[done])
         )
         if turn is not None:
             turns.append((int(times[done]), runner.address, turn == "began"))
             if turn == "ended":
-                runner.episodes.end_episode()
+                said.episodes.end_episode()
         done += 1
     return turns
 
 
-def _watch_residuals(
-    runner: GroupRunner, episodes: Episodes, times: NDArray[np.int64], rows: Floats
-) -> list[tuple[int, str, bool]]:
-    """Do what `GroupRunner` does with residuals, and nothing else of it."""
-    found = runner.residuals.see_rows(times, rows)
-    # Its first magnitude is the distance, which is not looked at.
-    rated = np.hstack((np.zeros((len(found), 1)), found))
+def _follow_group(said: _Rated) -> list[tuple[int, str, bool]]:
+    """Do what `GroupRunner` does with a distance and residuals, all at once."""
+    runner, times, rated = said.runner, said.times, said.magnitudes
     runner.tail.record_many(times, (rated > 0.0).any(axis=1), rated)
-    if not runner.needs or not runner.residuals.trusted:
-        return []
-    excess = (rated[:, 1:] / np.maximum(runner.needs[1:], 1e-300)).max(axis=1)
+    bar, episodes = said.episodes.bar, said.episodes
+    needs = np.full(rated.shape[1], np.inf)
+    needs[: len(runner.needs)] = np.maximum(runner.needs, 1e-300)
+    if runner.needs and not runner.residuals.trusted:
+        raise SystemExit("residuals have thresholds before they have learned")
+    excess = (rated / needs)[:, 1:].max(axis=1)
+    may_begin = (rated >= needs).any(axis=1) if runner.needs else np.ones(len(times), bool)
+    coming = (np.maximum(said.scores, _score_of_excess(excess, bar)) >= bar) & may_begin
+    # One that is on goes on down to half of the threshold.
+    goes_on = np.maximum(said.scores, _score_of_excess(2.0 * excess, bar))
     turns, at = [], 0
     while at < len(times):
         if episodes.began_us < 0:
-            coming = np.flatnonzero(excess[at:] >= 1.0)
-            calm = int(coming[0]) if len(coming) else len(times) - at
+            found = np.flatnonzero(coming[at:])
+            calm = int(found[0]) if len(found) else len(times) - at
             episodes.pass_calm(calm)
             at += calm
             if at == len(times):
                 break
-        # One that is on goes on down to half of the threshold.
-        now = float(excess[at]) * (1.0 if episodes.began_us < 0 else 2.0)
-        turn = episodes.update_score(int(times[at]), now / (1.0 + now))
+        # That it may begin is known: its score counts only while it is on.
+        score = 1.0 if episodes.began_us < 0 else float(goes_on[at])
+        turn = episodes.update_score(int(times[at]), score)
         if turn is not None:
             turns.append((int(times[at]), runner.address, turn == "began"))
             if turn == "ended":
                 episodes.end_episode()
         at += 1
     return turns
+
+
+def _score_of_excess(excess: Floats, bar: float) -> Floats:
+    beyond = bar + (1.0 - bar) * (1.0 - 1.0 / np.maximum(excess, 1.0))
+    return np.where(excess < 1.0, bar * excess, beyond)
+
+
+def _live(
+    site: _Site, first: int, upto: int, instead: Floats | None = None
+) -> list[tuple[int, str, bool]]:
+    """Show rows (or others instead) as live, with the thresholds that there are."""
+    return [turn for said in _rate_rows(site, first, upto, instead) for turn in _follow(said)]
 
 
 def _copy(site: _Site) -> _Site:
@@ -277,10 +311,14 @@ def _run(kind: str, seed: int, asked: argparse.Namespace) -> dict[str, object]:
     site = _new_site(made, only_residuals=asked.only == "residuals")
     _live(site, 0, _LEARNED_DAYS * day)
     turns = []
-    hour = day // 24
-    for at in range(_LEARNED_DAYS * 24, days * 24):
-        _adjust(site, asked.a_week)
-        turns += _live(site, at * hour, (at + 1) * hour)
+    for one in range(_LEARNED_DAYS, days):
+        # What detectors say is found for a day at once; what comes of it, hour by hour.
+        said = _rate_rows(site, one * day, (one + 1) * day)
+        begin_us = int(made.time_s[one * day]) * 1_000_000
+        for hour in range(24):
+            _adjust(site, asked.a_week)
+            from_us, to_us = (begin_us + at * 3_600_000_000 for at in (hour, hour + 1))
+            turns += [turn for part in said for turn in _follow(part.part(from_us, to_us))]
     alarms = _alarms(turns)
     _adjust(site, asked.a_week)
     found = _try_faults(site, kind, seed, days * day) if seed <= asked.faults else []

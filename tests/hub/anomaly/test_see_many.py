@@ -53,7 +53,7 @@ def test_a_detector_scores_many_samples_as_one_by_one_and_knows_the_same_afterwa
     assert many.see(at, value) == pytest.approx(one.see(at, value), abs=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["change", "season"])
+@pytest.mark.parametrize("kind", ["change", "nearest", "season", "together"])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_what_many_samples_are_judged_by_is_that_of_one_by_one_to_the_last_bit(kind, seed):
     times, values = signal(seed, 4_000)
@@ -71,7 +71,10 @@ def test_rarities_found_together_are_those_of_each_by_itself():
     magnitudes = np.abs(rng.normal(0, 1, (3, 2_000))) * [[1.0], [1e-9], [1e6]]
     # Of the second there is none now and then.
     magnitudes[1, rng.random(2_000) < 0.1] = -1.0
-    alone, joined = ([Rarity(), Rarity(), Rarity(memory=50.0)] for _ in range(2))
+    # And of a fourth there is none for long.
+    magnitudes = np.vstack((magnitudes, magnitudes[0]))
+    magnitudes[3, :1_000] = -1.0
+    alone, joined = ([Rarity(), Rarity(), Rarity(memory=50.0), Rarity()] for _ in range(2))
     found = [
         rate_together(joined, part) for part in np.array_split(magnitudes, [7, 900, 903], axis=1)
     ]
@@ -115,6 +118,27 @@ def test_anomalies_begin_and_end_at_the_same_samples_with_the_same_words(kind):
     whole = [getattr(each, "began_us", 0) or each.time_us for each in expected]
     assert [getattr(each, "began_us", 0) or each.time_us for each in found] == whole
     assert (one.episodes.since, one.learning) == (many.episodes.since, many.learning)
+
+
+def test_where_nobody_asks_why_the_same_anomalies_have_no_words():
+    times, values = signal(4, 4_000)
+    watch = Watch(detector=DetectorKind("together"))
+    told, silent = (DetectorRunner("base/speed", "m/s", watch) for _ in range(2))
+    silent.says_why = False
+    expected, found = [], []
+    for part in in_parts(times, values, 4):
+        scores, turns = told.score_many(*part)
+        expected += turns
+        again, turns = silent.score_many(*part)
+        found += turns
+        assert np.abs(scores - again).max() < 1e-12
+    assert len(found) == len(expected) > 0
+    for ours, theirs in zip(found, expected, strict=True):
+        assert theirs.why
+        assert not ours.why
+        assert type(ours) is type(theirs)
+        assert ours.score == pytest.approx(theirs.score, abs=1e-12)
+    assert dump_detector(silent.detector) == dump_detector(told.detector)
 
 
 def test_a_copy_of_a_detector_knows_the_same_and_learns_nothing_from_the_other():

@@ -36,7 +36,7 @@ class RowVerdict(NamedTuple):
     score: float
     anomalous: bool
     # In words for people, such as ``flow 62 %``; empty unless it is anomalous.
-    signals: list[str]
+    signals: Sequence[str]
 
 
 class RowJudge(Protocol):

@@ -66,10 +66,15 @@ class _Judging:
                 if newest_us is None or row.time_us > newest_us:
                     newest_us = row.time_us
                     newer.append(row)
-            said = iter(self._judge_newer(newer))
+            judged = self._judge_newer(newer)
             self._count += len(some)
             self._not_newer += len(some) - len(newer)
-            left = iter(newer)
+            if len(newer) == len(some):
+                # As nearly always, and in a third of the time.
+                yield from zip(some, judged, strict=True)
+                verdict = judged[-1] if judged else verdict
+                continue
+            said, left = iter(judged), iter(newer)
             awaited = next(left, None)
             for row in some:
                 # As at the hub: what comes late is not looked at. The row's line says the last.
@@ -121,9 +126,10 @@ def _in_blocks(rows: Iterator[MeasuredRow]) -> Iterator[list[MeasuredRow]]:
 def _print_rows(said: Iterator[tuple[MeasuredRow, RowVerdict]], out: TextIO) -> None:
     table = csv.writer(out, lineterminator="\n")
     table.writerow(("time", "score", "anomalous", "signals"))
-    for row, verdict in said:
-        signals = "; ".join(verdict.signals)
-        table.writerow((row.time, f"{verdict.score:.4f}", int(verdict.anomalous), signals))
+    table.writerows(
+        (row.time, f"{verdict.score:.4f}", int(verdict.anomalous), "; ".join(verdict.signals))
+        for row, verdict in said
+    )
 
 
 def _print_anomalies(said: Iterator[tuple[MeasuredRow, RowVerdict]], out: TextIO) -> None:

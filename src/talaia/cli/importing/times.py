@@ -20,6 +20,7 @@ __all__ = ["TIME_NAMES", "CellError", "TimeReader", "TimeUnit"]
 TIME_NAMES = ("time (utc)", "time", "timestamp", "datetime", "date", "stamp", "t")
 
 _EPOCH = dt.datetime(1970, 1, 1)  # noqa: DTZ001 - differences of times in UTC
+_EPOCH_UTC = _EPOCH.replace(tzinfo=dt.UTC)
 _US = dt.timedelta(microseconds=1)
 # What the history can tell apart; some 73 000 years either way.
 _FARTHEST_US = 2**61
@@ -114,6 +115,9 @@ class TimeReader:
             found = dt.datetime.fromisoformat(text)
         except ValueError as error:
             raise CellError(f"the time {text[:40]!r} cannot be read: {error}") from error
+        if found.tzinfo is dt.UTC:
+            # Most tables', in half the time.
+            return (found - _EPOCH_UTC) // _US
         if found.tzinfo is not None:
             # `timestamp()` is a float and loses microseconds far from the epoch.
             offset = found.utcoffset() or dt.timedelta()

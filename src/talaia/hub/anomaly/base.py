@@ -26,6 +26,7 @@ __all__ = [
     "fading_peak",
     "format_duration",
     "format_number",
+    "keep_newest",
     "load_detector",
 ]
 
@@ -143,6 +144,29 @@ def _copy_value(thing: Any) -> Any:  # noqa: ANN401 - of whatever kind a field i
 def clamp_value(value: float) -> float:
     """Give the value, or the largest whose square is still a number."""
     return min(max(value, -LARGEST), LARGEST)
+
+
+def keep_newest(kept: Floats, end: int, values: Floats) -> int:
+    """Write values behind those before them, as one by one; where it is full half of it goes.
+
+    Args:
+        kept: an even number of values, the newest of which ends before ``end``.
+        end: one past the newest.
+        values: what comes (n,).
+
+    Returns:
+        One past the newest of these.
+
+    """
+    half, at = len(kept) // 2, 0
+    while at < len(values):
+        if end == len(kept):
+            kept[:half] = kept[half:]
+            end = half
+        upto = min(len(values), at + len(kept) - end)
+        kept[end : end + upto - at] = values[at:upto]
+        end, at = end + upto - at, upto
+    return end
 
 
 def fading_peak(peak: float, values: Floats) -> float:

@@ -20,6 +20,7 @@ from talaia.hub.anomaly.base import (
     fading_peak,
     format_duration,
     format_number,
+    keep_newest,
 )
 from talaia.hub.anomaly.rarity import Rarity, rate_together
 
@@ -103,25 +104,23 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
         """
         sizes, at = np.empty((len(_PACES), len(values))), 0
-        while at < len(values):
-            room = len(self.values) - self.end
-            # At the beginning paces join in one by one; and before the arrays are moved down.
-            if self.end < _KEPT or room == 0:
-                sizes[:, at] = self._measure_newest(int(times[at]), float(values[at]))
-                at += 1
-                continue
-            part = slice(at, min(len(values), at + room))
-            self._measure_block(times[part], values[part], sizes[:, part])
-            at = part.stop
+        # At the beginning paces join in one by one.
+        while at < len(values) and self.end < _KEPT:
+            sizes[:, at] = self._measure_newest(int(times[at]), float(values[at]))
+            at += 1
+        if at < len(values):
+            self._measure_block(times[at:], values[at:], sizes[:, at:])
         return sizes
 
     def _measure_block(self, times: NDArray[np.int64], values: Floats, sizes: Floats) -> None:
-        first, many = self.end, len(values)
-        self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
-        self.times[first : first + many] = times
-        self.end += many
+        first = _KEPT - 1
+        line = np.concatenate(
+            (self.values[self.end - first : self.end], np.clip(values, -LARGEST, LARGEST))
+        )
+        keep_newest(self.times, self.end, times.astype(np.float64))
+        self.end = keep_newest(self.values, self.end, line[first:])
         for at, pace in enumerate(_PACES):
-            kept = self.values[first - pace * (_BEFORE + 1) + 1 : self.end]
+            kept = line[first - pace * (_BEFORE + 1) + 1 :]
             newest = _moving_sums(kept[pace * _BEFORE :], pace) / pace
             before = _moving_sums(kept[: len(kept) - pace], pace * _BEFORE) / (pace * _BEFORE)
             changes = newest - before

@@ -90,6 +90,7 @@ class EpisodeRunner:
         episodes: when an anomaly begins and ends.
         score: the newest.
         why: of the anomaly that is on, or of the last one.
+        says_why: whether anybody asks for it; without it ``why`` stays empty.
         from_us: when the newest anomaly began (µs); 0 before the first.
         to_us: its last high sample (µs); 0 while it is on.
         forgiven: whether a person said that the newest anomaly was none.
@@ -115,7 +116,7 @@ class EpisodeRunner:
         self.address, self.word, self.kind, self.episodes = address, word, kind, episodes
         self.score, self.why, self.changed, self.late = 0.0, "", False, 0
         self.from_us, self.to_us, self.forgiven, self.confirmed = 0, 0, False, False
-        self.known = ""
+        self.known, self.says_why = "", True
         self.needs: tuple[float, ...] = ()
         self.tail: ScoreTail | None = None
         self.shares: list[SignalShare] = []
@@ -170,7 +171,7 @@ class EpisodeRunner:
         # True in the one step in which the learning ends.
         self._stands_otherwise |= learning > 0 and not self.episodes.learning
         if turn is EpisodeTurn.BEGAN:
-            self.why = self.reason()
+            self.why = self.reason() if self.says_why else ""
             self.from_us, self.to_us, self.forgiven, self.confirmed = time_us, 0, False, False
             return AnomalyBegan(time_us, score, self.why)
         return self._close_episode() if turn is EpisodeTurn.ENDED else None

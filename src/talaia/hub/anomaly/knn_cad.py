@@ -22,6 +22,7 @@ from talaia.hub.anomaly.base import (
     Floats,
     clamp_value,
     format_number,
+    keep_newest,
 )
 from talaia.hub.anomaly.rarity import Rarity
 from talaia.hub.anomaly.stretch_search import (
@@ -43,7 +44,7 @@ _LEAST = 40
 _KEPT = STRETCHES + 2 * LENGTH
 _MOST_FORGIVEN = 50
 # So many samples are compared at once: what that takes fits a processor's cache.
-_BLOCK = 240
+_BLOCK = 256
 
 
 class Nearest(AnomalyDetector, kw_only=True):
@@ -110,28 +111,22 @@ class Nearest(AnomalyDetector, kw_only=True):
 
         """
         offs, at = np.empty(len(values)), 0
-        while at < len(values):
-            room = len(self.values) - self.end
-            have = self.end - 2 * LENGTH + 1
-            # Until there are as many stretches as ever; and before the array is moved down.
-            if have < STRETCHES or room == 0 or len(self.forgiven):
-                offs[at] = self._measure_newest(float(values[at]))
-                at += 1
-                continue
-            upto = min(len(values), at + room)
-            offs[at:upto] = self._measure_block(values[at:upto])
-            at = upto
+        # Until there are as many stretches as ever; with some that are called usual always so.
+        while at < len(values) and (self.end - 2 * LENGTH + 1 < STRETCHES or len(self.forgiven)):
+            offs[at] = self._measure_newest(float(values[at]))
+            at += 1
+        if at < len(values):
+            offs[at:] = self._measure_block(np.clip(values[at:], -LARGEST, LARGEST))
         return offs
 
     def _measure_block(self, values: Floats) -> Floats:
-        first, many = self.end, len(values)
-        self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
-        self.end += many
         before = FARTHEST + LENGTH - 1
+        line = np.concatenate((self.values[self.end - before : self.end], values))
+        self.end = keep_newest(self.values, self.end, values)
         squares = [
-            nearest_squares(self.values[begin - before : upto], upto - begin)
-            for begin in range(first, self.end, _BLOCK)
-            for upto in (min(begin + _BLOCK, self.end),)
+            nearest_squares(line[at : before + upto], upto - at)
+            for at in range(0, len(values), _BLOCK)
+            for upto in (min(at + _BLOCK, len(values)),)
         ]
         distances: Floats = np.sqrt(np.concatenate(squares)).sum(axis=1) / NEIGHBOURS
         self.distance = float(distances[-1])
@@ -142,8 +137,8 @@ class Nearest(AnomalyDetector, kw_only=True):
                 peak, strangest = distance, place
         self.strangest = peak
         if strangest >= 0:
-            end = first + strangest + 1
-            self.strange = self.values[end - LENGTH : end].copy()
+            end = before + strangest + 1
+            self.strange = line[end - LENGTH : end].copy()
         return distances
 
     def _nearest_distance(self, have: int) -> float:
@@ -155,7 +150,8 @@ class Nearest(AnomalyDetector, kw_only=True):
         if len(self.forgiven):
             apart = np.append(apart, _squared_distances(self.forgiven.reshape(-1, LENGTH), newest))
         near = min(NEIGHBOURS, len(apart))
-        nearest = np.sqrt(np.partition(apart, near - 1)[:near])
+        # In order, so that their mean is the same to the last bit as of many at once.
+        nearest = np.sqrt(np.sort(np.partition(apart, near - 1)[:near]))
         # A stretch that was called usual is usual by itself, without two others like it.
         if len(self.forgiven) and float(apart[have:].min()) < float(np.square(nearest.mean())):
             return math.sqrt(float(apart[have:].min()))

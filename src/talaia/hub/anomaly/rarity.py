@@ -101,10 +101,12 @@ def rate_together(rarities: Sequence[Rarity], magnitudes: Floats) -> Floats:
     """
     rated = np.zeros(magnitudes.shape)
     if magnitudes.size and magnitudes.min() < 0.0:
-        for place, (one, row) in enumerate(zip(rarities, magnitudes, strict=True)):
-            there = row >= 0.0
-            if there.any():
-                rated[place, there] = one.rate_many(row[there])
+        there = magnitudes >= 0.0
+        whole = np.flatnonzero(there.all(axis=1))
+        if len(whole):
+            rated[whole] = rate_together([rarities[at] for at in whole.tolist()], magnitudes[whole])
+        for at in np.flatnonzero(there.any(axis=1) & ~there.all(axis=1)).tolist():
+            rated[at, there[at]] = rarities[at].rate_many(magnitudes[at, there[at]])
         return rated
     for first in range(0, magnitudes.shape[1], _BLOCK):
         part = slice(first, first + _BLOCK)
@@ -168,9 +170,11 @@ def _weigh_above(bins: Sequence[Floats], at: NDArray[np.int64], own: Floats) -> 
     known = np.empty((parts, kinds, width))
     for place, one in enumerate(bins):
         known[0, place] = one[low:upto][::-1]
-    for part in range(1, parts):
-        np.add(known[part - 1], came[part - 1], out=known[part])
-    above = known.cumsum(axis=2).ravel()[places] - 0.5 * known.ravel()[places]
+    known[1:] = came[:-1]
+    np.cumsum(known, axis=0, out=known)
+    alike = known.ravel().take(places)
+    above = np.cumsum(known, axis=2, out=came).ravel().take(places)
+    above -= 0.5 * alike
     above += np.array([[one[upto:].sum()] for one in bins])
     # And in its own part: 2 halves where it was greater, 1 where alike and 0 where less.
     short = np.ascontiguousarray(steps.reshape(-1, _PART).T)

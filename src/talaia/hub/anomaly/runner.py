@@ -208,15 +208,16 @@ class DetectorRunner(EpisodeRunner):
             return scores, turns
         if not len(times):
             return np.empty(0), turns
-        before, at = copy_detector(self.detector), 0
+        before, at = copy_detector(self.detector) if self.says_why else self.detector, 0
         scores = self.detector.see_many(times, values)
         while (begins := at + self._pass_scores(times[at:], scores[at:], turns)) < len(scores):
-            # Why it begins is said of the very moment: the copy is brought there.
-            if begins > at:
-                before.see_many(times[at:begins], values[at:begins])
-            time_us = int(times[begins])
-            scores[begins] = before.see(time_us, float(values[begins]))
-            self.detector, after = before, self.detector
+            time_us, after = int(times[begins]), self.detector
+            if self.says_why:
+                # It is said of the very moment: the copy is brought there.
+                if begins > at:
+                    before.see_many(times[at:begins], values[at:begins])
+                scores[begins] = before.see(time_us, float(values[begins]))
+                self.detector = before
             turn = self.update_score(time_us, float(scores[begins]))
             turns += [] if turn is None else [turn]
             self.detector, at = after, begins + 1

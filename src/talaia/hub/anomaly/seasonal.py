@@ -129,8 +129,8 @@ class Season(AnomalyDetector, kw_only=True):
         means = []
         for value in np.clip(values, -LARGEST, LARGEST).tolist():
             count += 1.0
-            # Written so that NaN, of a slot without samples, is found as well.
-            mean = mean + (value - mean) / count if mean == mean else value
+            # Of a slot without samples there is no mean, and NaN is not equal to itself.
+            mean = mean + (value - mean) / count if count > 1.0 else value
             means.append(mean)
         self.counts[at], self.means[at] = count, mean
         offs = self._compare_means(np.array(means))
@@ -145,21 +145,27 @@ class Season(AnomalyDetector, kw_only=True):
         now = self.means[slots % _KEPT]
         thens = self.means[(slots - _BACK) % _KEPT]
         boths = ~(np.isnan(now) | np.isnan(thens))
-        offs = np.full(len(means), np.inf)
         self.off = -1.0
+        days: list[tuple[float, int]] = []
+        means_now = np.empty((_DAYS, len(means)))
         for then, both, there in zip(thens, boths, boths.sum(axis=1).tolist(), strict=True):
             if there < _LEAST:
                 continue
-            hours = now[both]
+            hours, row = now[both], means_now[len(days)]
             if both[-1]:
-                mean_now = _sums_ending(hours, means) / there
+                _sums_ending(hours, means, row)
             else:
-                mean_now = np.full(len(means), hours.mean())
-            mean_then = float(then[both].sum()) / there
-            apart = np.abs(mean_now - mean_then)
-            if apart[-1] < offs[-1]:
-                self.now, self.then, self.off = float(mean_now[-1]), mean_then, float(apart[-1])
-            np.minimum(offs, apart, out=offs)
+                row[:] = hours.sum()
+            days.append((float(then[both].sum()) / there, there))
+        if not days:
+            return np.full(len(means), np.inf)
+        means_now = means_now[: len(days)]
+        means_now /= np.array([[float(there)] for _, there in days])
+        apart = np.abs(means_now - np.array([[mean] for mean, _ in days]))
+        nearest = int(apart[:, -1].argmin())
+        self.now, self.then = float(means_now[nearest, -1]), days[nearest][0]
+        self.off = float(apart[nearest, -1])
+        offs: Floats = apart.min(axis=0)
         return offs
 
     def _move_slot(self, slot: int) -> None:
@@ -202,16 +208,19 @@ class Season(AnomalyDetector, kw_only=True):
         return True
 
 
-def _sums_ending(values: Floats, last: Floats) -> Floats:
+def _sums_ending(values: Floats, last: Floats, sums: Floats) -> None:
     """Give the sums of up to 128 values, for each that may stand in place of the last one (n,).
 
     They are added up in the order in which NumPy adds them, so the sums are the very same.
     """
     if len(values) % _LANES:
-        return float(values[:-1].sum()) + last
+        np.add(last, float(values[:-1].sum()), out=sums)
+        return
     # Every eighth value in a lane, and the last one at the end of the last lane.
     values[-1] = 0.0
     lanes = values.reshape(-1, _LANES).sum(axis=0).tolist()
     one, two, three, four, five, six, seven, eight = lanes
-    sums: Floats = ((one + two) + (three + four)) + ((five + six) + (seven + (eight + last)))
-    return sums
+    np.add(last, eight, out=sums)
+    sums += seven
+    sums += five + six
+    sums += (one + two) + (three + four)

@@ -44,12 +44,15 @@ def stretches_of(values: Floats) -> Floats:
 def nearest_squares(values: Floats, many: int) -> Floats:
     """Give the squared distances of the newest stretches to the nearest ones before them.
 
+    Each is the sum that there is for that stretch by itself, to the last bit, but where several
+    distances differ by less than a sum is off.
+
     Args:
         values: the newest stretches (``many``, each a sample later), and `FARTHEST` before them.
         many: how many stretches.
 
     Returns:
-        many × `NEIGHBOURS`, in any order.
+        many × `NEIGHBOURS`, the least first.
 
     """
     low, high = float(values.min()), float(values.max())
@@ -59,51 +62,69 @@ def nearest_squares(values: Floats, many: int) -> Floats:
     scaled = (values - middle) / half
     # Which are near is found in 32 bits and, where these do not tell, in 64; how near, by sums of
     # squares that leave nothing small beside the great.
-    squares, unsure = _sought_squares(scaled, np.arange(many), np.float32)
+    every = np.arange(many)
+    squares, off = _sought_squares(values, scaled, every, np.float32)
+    unsure = every[_is_unsure(squares, off, half)]
     if len(unsure):
-        squares[unsure], still = _sought_squares(scaled, unsure, np.float64)
-        unsure = unsure[still]
-    squares *= half * half
+        found, off = _sought_squares(values, scaled, unsure, np.float64)
+        squares[unsure] = found
+        unsure = unsure[_is_unsure(found, off, half)]
     if len(unsure):
-        squares[unsure] = _least_of(_lagged_distances(values, many)[unsure], NEIGHBOURS)[0]
+        places = _least_of(_lagged_distances(scaled, many)[unsure], _CANDIDATES)[1]
+        squares[unsure] = _exact_squares(values, unsure, places)
     return squares
 
 
+def _is_unsure(squares: Floats, least: Floats, half: float) -> NDArray[np.bool_]:
+    """Tell where others may be nearer (rows,); ``least``: squares of what they are off, scaled."""
+    farthest = np.square(np.sqrt(squares[:, -1]) / half)
+    unsure: NDArray[np.bool_] = (farthest > least) & (farthest > 0.0)
+    return unsure
+
+
 def _sought_squares(
-    scaled: Floats, rows: NDArray[np.int64], kind: type[np.floating[Any]]
-) -> tuple[Floats, NDArray[np.int64]]:
+    values: Floats, scaled: Floats, rows: NDArray[np.int64], kind: type[np.floating[Any]]
+) -> tuple[Floats, Floats]:
     """Seek the nearest stretches by rough distances in numbers of a kind.
 
     Args:
-        scaled: see `nearest_squares`, between -1 and 1.
+        values: see `nearest_squares`.
+        scaled: these between -1 and 1.
         rows: which of the newest stretches.
         kind: of 32 or 64 bits.
 
     Returns:
-        Squared distances (rows × `NEIGHBOURS`), and the places in ``rows`` of those that the
-        rough ones do not tell for certain.
+        Squared distances (rows × `NEIGHBOURS`), the least first, and the least that those which
+        were not looked at have, of the scaled values (rows,).
 
     """
     stretches = stretches_of(scaled)
-    newest = stretches[FARTHEST + rows]
-    rough, places = _least_of(_rough_distances(stretches, newest, rows, kind), _CANDIDATES)
-    off = stretches[rows[:, None] + places] - newest[:, None]
-    squares = np.partition(np.einsum("ijk,ijk->ij", off, off), NEIGHBOURS - 1)[:, :NEIGHBOURS]
+    norms = np.einsum("ij,ij->i", stretches, stretches)
+    rough, places = _least_of(_rough_distances(stretches, norms, rows, kind), _CANDIDATES)
     # All others are at least as far as the last that was found, but for what a sum is off.
-    least = rough[:, -1] + np.einsum("ij,ij->i", newest, newest) - _SUM_OFF * np.finfo(kind).eps
-    farthest = squares.max(axis=1)
-    return squares, np.flatnonzero((farthest > least) & (farthest > 0.0))
+    least = rough[:, -1] + norms[FARTHEST + rows] - _SUM_OFF * np.finfo(kind).eps
+    return _exact_squares(values, rows, places), least
+
+
+def _exact_squares(values: Floats, rows: NDArray[np.int64], places: NDArray[np.int64]) -> Floats:
+    """Give the least squared distances (rows × `NEIGHBOURS`) of candidates (rows × some)."""
+    stretches = stretches_of(values)
+    off = stretches[rows[:, None] + places]
+    off -= stretches[FARTHEST + rows][:, None]
+    squares: Floats = np.einsum("ijk,ijk->ij", off, off)
+    squares.sort(axis=1)
+    return squares[:, :NEIGHBOURS]
 
 
 def _rough_distances(
-    stretches: Floats, newest: Floats, rows: NDArray[np.int64], kind: type[np.floating[Any]]
+    stretches: Floats, norms: Floats, rows: NDArray[np.int64], kind: type[np.floating[Any]]
 ) -> NDArray[Any]:
     """Give the squared distances of stretches to all those before them, by products.
 
     Args:
         stretches: all, between -1 and 1.
-        newest: of these, those whose distances are asked for.
-        rows: which of the newest these are, rising.
+        norms: their squares.
+        rows: which of the newest ones, whose distances are asked for; rising.
         kind: of the numbers to reckon in.
 
     Returns:
@@ -116,9 +137,9 @@ def _rough_distances(
     others = np.zeros((LENGTH + 1, len(stretches) + _ROWS_AT_ONCE), kind)
     there = others[:, : len(stretches)]
     there[:LENGTH] = stretches.T
-    np.einsum("ij,ij->i", stretches, stretches, out=there[LENGTH], casting="same_kind")
-    mine = np.ones((len(newest), LENGTH + 1), kind)
-    np.multiply(newest, -2.0, out=mine[:, :LENGTH], casting="same_kind")
+    there[LENGTH] = norms
+    mine = np.ones((len(rows), LENGTH + 1), kind)
+    np.multiply(stretches[FARTHEST + rows], -2.0, out=mine[:, :LENGTH], casting="same_kind")
     if rows[-1] - rows[0] == len(rows) - 1:
         return _multiply_next(mine, others[:, rows[0] :])
     apart = np.empty((len(rows), STRETCHES), kind)
@@ -148,16 +169,16 @@ def _multiply_next(mine: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
 
 def _least_of(apart: NDArray[Any], many: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """Give the least of each row (rows × many), and their places; what they were is overwritten."""
-    flat, least = apart.reshape(-1), np.empty((len(apart), many), apart.dtype)
-    places = np.empty((len(apart), many), np.int64)
+    flat, least = apart.reshape(-1), np.empty((many, len(apart)), apart.dtype)
+    places = np.empty((many, len(apart)), np.int64)
     begins = np.arange(0, apart.size, apart.shape[1])
     for at in range(many):
         # A few searches for the least take a third of the time of a partition.
-        found = places[:, at] = apart.argmin(axis=1)
-        found = found + begins
-        least[:, at] = flat[found]
+        apart.argmin(axis=1, out=places[at])
+        found = places[at] + begins
+        flat.take(found, out=least[at])
         flat[found] = np.inf
-    return least, places
+    return least.T, places.T
 
 
 def _lagged_distances(values: NDArray[Any], many: int) -> NDArray[Any]:

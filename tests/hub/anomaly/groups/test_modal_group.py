@@ -137,3 +137,66 @@ def test_what_runs_in_one_way_has_one_and_a_drift_is_not_two():
 def test_bounds_are_told():
     with pytest.raises(ValueError, match="expected 1 to 16 modes, found 17"):
         new_group(most_modes=17)
+
+
+def observatory_rows(count: int, *, warmer: float = 0.0) -> list[tuple[int, list[float]]]:
+    """Make steps of a mirror's temperature and of what guiding is off, by day and at night.
+
+    By day guiding hardly moves; at night it does, and it is colder.
+    """
+    chance = random.Random(3)  # noqa: S311 - noise
+    rows = []
+    for at in range(count):
+        night = (at // 400) % 2
+        slow = 1.5 * np.sin(at / 90)
+        guiding = 0.45 + chance.gauss(0.0, 0.08) if night else 0.02 + chance.gauss(0.0, 0.002)
+        rows.append((night, [15.0 + warmer - 8.0 * night + slow + chance.gauss(0, 0.05), guiding]))
+    return rows
+
+
+def test_a_night_as_warm_as_a_day_is_a_night():
+    """In which way it runs, is told by what is steady in one of them, however near the rest is."""
+    group = new_group(signals=["mirror", "guiding"], learn_rows=1_600, most_modes=4)
+    feed(group, observatory_rows(3_200))
+    assert len(group.members) == 2
+    rows = observatory_rows(3_900)
+    feed(group, rows[3_200:3_700], 3_200)
+    at_night = group.mode
+    for at, (_, (mirror, guiding)) in enumerate(rows[3_700:]):
+        # As guiding is by day it never is, but the mirror gets as warm as it is by day.
+        group.see_row((3_700 + at) * SECOND, [mirror + 0.05 * at, guiding - 0.0002 * at])
+        assert group.mode == at_night
+
+
+def test_a_group_of_an_older_version_goes_on_by_the_middles_alone():
+    group = new_group(signals=["mirror", "guiding"], learn_rows=1_600, most_modes=4)
+    rows = observatory_rows(3_600)
+    feed(group, rows[:3_200])
+    group.widths = np.empty(0)
+    older = load_detector(ModalGroup, dump_detector(group))
+    assert not any(feed(older, rows[3_200:], 3_200))
+    assert older.mode in older.members
+
+
+@pytest.mark.parametrize("asked", [{"by_state": True}, {"most_modes": 4}, {}])
+@pytest.mark.parametrize("gaps", [False, True])
+def test_many_rows_at_once_are_judged_as_one_by_one(asked, gaps):
+    rows = dragging(robot_rows(1_500))
+    if gaps:
+        rows = [(s, [np.nan if at % 7 == 0 else v, *r]) for at, (s, (v, *r)) in enumerate(rows)]
+    one, many = new_group(**asked), new_group(**asked)
+    expected = []
+    for at, (state, row) in enumerate(rows):
+        one.see_row(at * SECOND, row, state)
+        current = one.current
+        judged = current is not None and one.score > 0.0
+        expected.append((one.score, current.distance if current is not None and judged else 0.0))
+    times, values = np.arange(len(rows)) * SECOND, np.array([row for _, row in rows])
+    states = [state for state, _ in rows]
+    found = []
+    for first in range(0, len(rows), 130):
+        part = slice(first, first + 130)
+        found += zip(*many.see_rows(times[part], values[part], states[part]), strict=True)
+    assert found == expected
+    assert any(distance > 0.0 for _, distance in found)
+    assert dump_detector(many) == dump_detector(one)

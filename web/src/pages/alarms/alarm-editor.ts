@@ -1,8 +1,8 @@
-/** An alarm is made or changed: what it watches, and how it would have done on the last day. */
+/** An alarm is made or changed: what it watches, and how it would have done on the past. */
 
 import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
@@ -14,21 +14,15 @@ import { renderQuestion } from "../../elements/feedback/question.js";
 import { renderOptions, type SelectOption } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { styled } from "../../elements/base/style-directive.js";
-import { formatDuration } from "../../format/duration.js";
-import { plural } from "../../words/plural.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { AnomalyList, AlarmDefinition, AlarmKind, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, shownHint, type AlarmField, type AlarmFields } from "./alarm-definition.js";
+import { renderTrials, trialStyle, trialWindows } from "./alarm-trial.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
-import "../../elements/values/time.js";
-
-const MOST_SPANS = 8;
 
 /** @fires t-done when it was kept, removed or left as it was */
 @customElement("t-alarm-editor")
@@ -37,27 +31,7 @@ export class AlarmEditor extends LitElement {
     base,
     sheets,
     forms,
-    css`
-      .strip {
-        position: relative;
-        block-size: 1.75rem;
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius-s);
-        background: var(--t-raised);
-        overflow: hidden;
-      }
-      .strip span {
-        position: absolute;
-        inset-block: 0;
-        min-inline-size: 2px;
-        background: var(--t-bad);
-      }
-      ul {
-        margin: 0;
-        padding-inline-start: var(--t-space-4);
-        font-size: var(--t-size-s);
-      }
-    `,
+    trialStyle,
   ];
 
   @property() site = "";
@@ -72,6 +46,9 @@ export class AlarmEditor extends LitElement {
   @state() private typed: AlarmFields = {};
   @state() private wrong = "";
   @state() private preview: PreviewShape | null = null;
+  /** Of the settings that were tried before these, over the same stretch. */
+  @state() private earlier: PreviewShape | null = null;
+  @state() private hours = 24;
   @query("form") private readonly form!: HTMLFormElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
@@ -119,12 +96,15 @@ export class AlarmEditor extends LitElement {
         <label class="tick wide"
           ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> ${msg("Record the raw topics around it")}</label
         >
+        <t-field label=${msg("How far back it is tried")}
+          ><select @change=${this.onWindow}>${renderOptions(trialWindows(), String(this.hours))}</select></t-field
+        >
       </form>
-      ${this.renderMessage()}
+      ${renderTrials(this.preview, this.earlier, this.sites.store?.zoneOf(this.site) ?? "UTC")}
       ${renderAdvice(this.action.problem)}
       <div class="actions">
         <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>${msg("Keep")}</t-button>
-        <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>${msg("Try it on the last day")}</t-button>
+        <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>${msg("Try it on the past")}</t-button>
         <t-button @click=${this.fireClose}>${msg("Cancel")}</t-button>
         ${this.alarm === "" ? nothing : html`<t-button @click=${this.removing.opener(this.alarm)}>${msg("Remove")}</t-button>`}
       </div>
@@ -201,42 +181,6 @@ export class AlarmEditor extends LitElement {
     return html`<input name=${name} autocomplete="off" inputmode=${sort === "number" ? "decimal" : "text"} .value=${shown} />`;
   }
 
-  /** How it would have done. */
-  private renderMessage(): unknown {
-    const { preview } = this;
-    if (preview === null) return nothing;
-    if ((preview.problem ?? "") !== "") {
-      return html`<t-problem what=${msg("It cannot be tried.")} how=${preview.problem ?? ""}></t-problem>`;
-    }
-    const from = preview.from_us ?? 0;
-    const length = Math.max(1, (preview.to_us ?? 0) - from);
-    const spans = preview.spans ?? [];
-    const count = preview.count ?? 0;
-    const zone = this.sites.store?.zoneOf(this.site) ?? "UTC";
-    const unknown = (preview.unknown_us ?? 0) / 1e6;
-    return html`<section aria-label=${msg("The last day")} role="status">
-      <p>
-        ${plural(count, msg("On the last day it would have been raised once."), msg(str`On the last day it would have been raised ${String(count)} times.`))}
-        ${unknown < 1 ? nothing : msg(str`It could not have been judged for ${formatDuration(Math.round(unknown))}.`)}
-      </p>
-      <div class="strip" aria-hidden="true">
-        ${map(
-          spans,
-          (span) =>
-            html`<span ${styled({ "inset-inline-start": percent((span.from_us - from) / length), "inline-size": percent((span.to_us - span.from_us) / length) })}></span>`,
-        )}
-      </div>
-      <ul>
-        ${map(
-          spans.slice(-MOST_SPANS),
-          (span) => html`<li>
-            ${msg(html`<t-time .us=${span.from_us} .zone=${zone}></t-time> for ${formatDuration(Math.round((span.to_us - span.from_us) / 1e6))}:`)} ${span.why}
-          </li>`,
-        )}
-      </ul>
-    </section>`;
-  }
-
   private readDefinition(): AlarmDefinition | null {
     const said: Record<string, string> = {};
     for (const [name, value] of new FormData(this.form)) if (typeof value === "string") said[name] = value;
@@ -264,7 +208,17 @@ export class AlarmEditor extends LitElement {
   private readonly onInput = (event: Event): void => {
     const { name, value } = event.target as HTMLInputElement;
     this.typed = { ...this.typed, [name]: value };
-    if (this.preview !== null) this.preview = null;
+    if (this.preview === null) return;
+    // What was tried stays beside what will be, unless it could not be tried at all.
+    if ((this.preview.problem ?? "") === "") this.earlier = this.preview;
+    this.preview = null;
+  };
+
+  private readonly onWindow = (event: Event): void => {
+    if (!(event.target instanceof HTMLSelectElement)) return;
+    this.hours = Number(event.target.value);
+    // Of another stretch: it says nothing beside this one.
+    this.preview = this.earlier = null;
   };
 
   private readonly previewAlarm = (event: Event): void => {
@@ -275,7 +229,7 @@ export class AlarmEditor extends LitElement {
     void this.action.run(
       msg("try the alarm"),
       async () => {
-        this.preview = await new AlarmsApi(this.api).previewAlarm(this.site, named);
+        this.preview = await new AlarmsApi(this.api).previewAlarm(this.site, named, this.hours);
       },
       "",
       "try",
@@ -296,10 +250,6 @@ export class AlarmEditor extends LitElement {
   private readonly fireClose = (): void => {
     this.dispatchEvent(new CustomEvent("t-done"));
   };
-}
-
-function percent(part: number): string {
-  return `${(100 * part).toFixed(3)}%`;
 }
 
 declare global {

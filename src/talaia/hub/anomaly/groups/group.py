@@ -241,7 +241,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         self.fast = np.where(there, self.fast + _FAST * (scaled - self.fast), self.fast)
         # A signal that is not there departs from nothing, and does not count.
         self.apart = np.where(there, self.fast - self.slow, 0.0)
-        if not np.array_equal(there, self.known):
+        if (there != self.known).any():
             self._whiten_known(there.astype(np.float64))
 
     def _whiten_known(self, known: Floats) -> None:

@@ -241,11 +241,10 @@ class GroupRunner(EpisodeRunner):
             tail: takes what could begin an anomaly.
 
         """
-        own, rated = len(self.members), []
-        for time_us, row, state in zip(times.tolist(), rows, states, strict=True):
-            self.detector.see_row(time_us, row[:own], state)
-            rated.append(self._distance())
-        found = np.column_stack((rated, self.residuals.see_rows(times, rows)))
+        distances = self.detector.see_rows(times, rows[:, : len(self.members)], states)[1]
+        if self.group.is_single:
+            distances = [0.0] * len(rows)
+        found = np.column_stack((distances, self.residuals.see_rows(times, rows)))
         strange: NDArray[np.bool_] = np.any(found > 0.0, axis=1)
         tail.record_many(times, strange, found)
 

@@ -12,7 +12,7 @@ from talaia.hub.anomaly.base import Floats  # noqa: TC001 - msgspec reads the an
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["NEVER", "HeldValues"]
+__all__ = ["NEVER", "HeldValues", "bounded_values"]
 
 # Before all times.
 NEVER = -(2**62)
@@ -20,6 +20,13 @@ NEVER = -(2**62)
 _HELD, _LEAST_HELD, _MOST_HELD = 5.0, 10.0, 600.0
 # Squares of such values, and sums of them, still fit into a float.
 _LARGEST = 1e150
+
+
+def bounded_values(values: Floats) -> Floats:
+    """Give values, or the largest whose squares are still numbers."""
+    # Least and greatest one by one: `clip` takes three times as long for so few.
+    bounded: Floats = np.minimum(np.maximum(values, -_LARGEST), _LARGEST)
+    return bounded
 
 
 class HeldValues(msgspec.Struct, kw_only=True):
@@ -73,9 +80,7 @@ class HeldValues(msgspec.Struct, kw_only=True):
         """
         self.newest_us = time_us
         here = np.isfinite(values)
-        # Least and greatest one by one: `clip` takes three times as long for so few.
-        bounded = np.minimum(np.maximum(values, -_LARGEST), _LARGEST)
-        np.copyto(self.values, bounded, where=here)
+        np.copyto(self.values, bounded_values(values), where=here)
         self.ages += steps
         self.ages[here] = 0.0
         self.came += here

@@ -11,13 +11,16 @@ if TYPE_CHECKING:
 
     from talaia.hub.anomaly.base import Floats
 
-__all__ = ["assign_modes", "find_modes", "scale_levels"]
+__all__ = ["assign_modes", "find_modes", "likeliest_modes", "mode_widths", "scale_levels"]
 
 # Rows that are looked at; more, evenly left out, would tell no more of levels.
 _MOST_ROWS, _ROUNDS = 1_000, 20
 # Two modes are as far apart as so many of their spreads (Ashman, Bird and Zepf 1994: 2 is a clean
 # division). A steady drift cut in two reaches 3.5: it must not count as two ways of running.
 _APART = 5.0
+# Within a mode no signal counts as steadier than such a part of its whole spread, nor any value as
+# farther than so many of the mode's spreads.
+_LEAST_WIDTH, _FAR = 0.1, 10.0
 
 
 def scale_levels(rows: Floats) -> tuple[Floats, Floats]:
@@ -57,6 +60,28 @@ def assign_modes(levels: Floats, centers: Floats) -> NDArray[np.intp]:
     distances = ((levels[:, np.newaxis, :] - centers[np.newaxis]) ** 2).sum(axis=2)
     nearest: NDArray[np.intp] = np.argmin(distances, axis=1)
     return nearest
+
+
+def mode_widths(levels: Floats, modes: NDArray[np.intp], count: int) -> Floats:
+    """Give the spread of each signal's levels within each mode (modes, signals)."""
+    widths = np.array([levels[modes == at].std(axis=0) for at in range(count)])
+    bounded: Floats = np.maximum(widths, _LEAST_WIDTH)
+    return bounded
+
+
+def likeliest_modes(levels: Floats, centers: Floats, widths: Floats) -> NDArray[np.intp]:
+    """Give the number of the mode that each row fits best, in spreads of that mode.
+
+    Without widths (of a version before) it is the nearest one. A mode in which a signal hardly
+    moves is no place for a row in which it is elsewhere, however near the other signals are.
+    """
+    if not widths.size:
+        return assign_modes(levels, centers)
+    off = (levels[:, np.newaxis, :] - centers[np.newaxis]) / widths[np.newaxis]
+    # What is far off in all modes, as a sensor that fails, tells nothing about which it is.
+    unlike = np.minimum(off * off, _FAR * _FAR).sum(axis=2) + 2.0 * np.log(widths).sum(axis=1)
+    likeliest: NDArray[np.intp] = np.argmin(unlike, axis=1)
+    return likeliest
 
 
 def _first_centers(levels: Floats, count: int) -> Floats:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from talaia.hub.anomaly.groups.group_runner import GroupRunner
     from talaia.hub.anomaly.groups.whitening import SignalShare
     from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.hub.live.detection.past_rows import PastRows
     from talaia.hub.ports import History
 
 __all__ = [
@@ -46,8 +47,9 @@ _LOG = logging.getLogger(__name__)
 MOST_RUNNING, _MOST_KEPT = 2, 20
 # Of a test so many anomalies are kept, and the greatest score of so many parts of its window.
 _MOST_ANOMALIES, _PARTS = 200, 300
-# It computes so long and lets all else have as long: half of a core at the most.
-_SLICE_S = 0.001
+# It computes so long and lets all else have as long: half of a core at the most. In a thread of its
+# own nobody waits for it meanwhile, and few long stretches take less than many short ones.
+_SLICE_S, _THREAD_SLICE_S = 0.001, 0.05
 
 
 class TestState(StrEnum):
@@ -71,6 +73,7 @@ class PastTrial(Protocol):
         step_us: a row is so long.
         learns_us: so long before the window it begins, so that it has learned.
         rows_at_once: so many are looked at between two glances at the clock.
+        in_thread: they are mostly work of NumPy, during which others may have the interpreter.
 
     """
 
@@ -78,6 +81,7 @@ class PastTrial(Protocol):
     step_us: int
     learns_us: int
     rows_at_once: int
+    in_thread: bool
 
     @property
     def runner(self) -> EpisodeRunner:
@@ -114,8 +118,9 @@ class SignalTrial:
         self.addresses: Sequence[str] = (runner.address,)
         # Twice its learning, for a signal may come seldom.
         self.learns_us = 2 * runner.learning * self.step_us
-        # Few milliseconds, whichever way it goes: nothing else is answered meanwhile.
-        self.rows_at_once = 512 if runner.detector.faster_many else 64
+        # One by one nothing else is answered meanwhile: a few milliseconds, then.
+        self.in_thread = runner.detector.faster_many
+        self.rows_at_once = 512 if self.in_thread else 64
 
     def see_rows(
         self, times: NDArray[np.int64], rows: NDArray[np.float64]
@@ -131,6 +136,7 @@ class GroupTrial:
     """A group of signals."""
 
     rows_at_once = 8
+    in_thread = False
 
     def __init__(self, runner: GroupRunner) -> None:
         """Try ``runner``, which has seen nothing yet."""
@@ -219,8 +225,27 @@ class BackTest:
         begin = self.from_us - self.trial.learns_us
         return min(1.0, max(0.0, (self.done_us - begin) / max(1, self.to_us - begin)))
 
+    def see_slice(self, part: PastRows, at: int, most_s: float) -> tuple[int, float]:
+        """Look at the rows of ``part`` from ``at`` on, for about ``most_s``.
+
+        Returns:
+            Up to which row it came, and how long it computed (s).
+
+        """
+        began, spent = time.perf_counter(), time.thread_time()
+        while at < len(part.time_us) and time.perf_counter() - began < most_s:
+            upto = at + self.trial.rows_at_once
+            self.see_rows(part.time_us[at:upto], part.values[at:upto])
+            at = upto
+        computed = time.thread_time() - spent
+        self.cpu_s += computed
+        self.done_us = int(part.time_us[min(at, len(part.time_us)) - 1])
+        return at, computed
+
     def see_rows(self, times: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Look at the next rows: times (µs) (n,), values (n, addresses)."""
+        # Of anomalies that nobody will see, nobody asks why.
+        self.trial.runner.says_why = len(self.anomalies) < _MOST_ANOMALIES
         first = int(np.searchsorted(times, self.from_us))
         if first:
             self._take_all(self.trial.see_rows(times[:first], rows[:first])[1])
@@ -323,16 +348,13 @@ class BackTests:
             step_us=trial.step_us,
         )
         async for part in parts:
-            waited_for = 0.0
-            many = trial.rows_at_once
-            for first in range(0, len(part.time_us), many):
-                began, spent = time.perf_counter(), time.thread_time()
-                times = part.time_us[first : first + many]
-                test.see_rows(times, part.values[first : first + many])
-                waited_for += time.perf_counter() - began
-                test.cpu_s += time.thread_time() - spent
-                if waited_for > _SLICE_S:
-                    test.done_us = int(times[-1])
-                    await asyncio.sleep(waited_for)
-                    waited_for = 0.0
+            at = 0
+            while at < len(part.time_us):
+                if trial.in_thread:
+                    at, computed = await asyncio.to_thread(
+                        test.see_slice, part, at, _THREAD_SLICE_S
+                    )
+                else:
+                    at, computed = test.see_slice(part, at, _SLICE_S)
+                await asyncio.sleep(computed)
             test.done_us = part.past_us
