@@ -30,7 +30,9 @@ interface Wish {
 }
 
 /** Questions that run at a time: while fingers move the moment, what comes in between is left out. */
-const MOST_RUNNING = 1;
+const MOST_RUNNING = 2;
+/** Meanwhile a picture that is not the last one wanted is decoded this often (ms): the last one would wait for it. */
+const SEEN_MS = 250;
 
 export function decodesStills(scope: { VideoDecoder?: typeof VideoDecoder } = globalThis): boolean {
   return scope.VideoDecoder !== undefined;
@@ -42,13 +44,18 @@ export class FilmStills {
   /** Counts the wishes; of those that were answered no older one is drawn any more. */
   private asked = 0;
   private drawn = 0;
+  private drawnMs = -Infinity;
   private running = 0;
   private started = 0;
   private decoding: Promise<void> = Promise.resolve();
   private asking = new AbortController();
   private readonly decoder = new PictureDecoder();
 
-  constructor(private readonly options: FilmStillsOptions) {}
+  /** @param now a clock that only goes forward (ms) */
+  constructor(
+    private readonly options: FilmStillsOptions,
+    private readonly now: () => number = () => performance.now(),
+  ) {}
 
   /** What is seen; null for nothing. */
   get shown(): FilmStill | null {
@@ -114,8 +121,11 @@ export class FilmStills {
   }
 
   private async show(wish: Wish, picture: FilmPicture, signal: AbortSignal): Promise<void> {
-    if (signal.aborted || wish.number < this.drawn) return;
+    const now = this.now();
+    const isPassed = wish.number < this.asked && now - this.drawnMs < SEEN_MS;
+    if (signal.aborted || wish.number < this.drawn || isPassed) return;
     this.drawn = wish.number;
+    this.drawnMs = now;
     const frame = await this.decoder.decodeLast(picture);
     try {
       signal.throwIfAborted();
