@@ -29,10 +29,14 @@ interface Wish {
   readonly number: number;
 }
 
-/** Questions that run at a time: while fingers move the moment, what comes in between is left out. */
+/** Questions that run at a time. */
 const MOST_RUNNING = 2;
-/** Meanwhile a picture that is not the last one wanted is decoded this often (ms): the last one would wait for it. */
-const SEEN_MS = 250;
+/** Wishes that follow one another sooner than this (ms) are of a hand that moves the moment. */
+const QUICK_MS = 100;
+/** Meanwhile a picture is asked for this often (ms), so that something is seen of the way... */
+const SEEN_MS = 200;
+/** ...and once the hand has rested for so long (ms): the last one waits behind none of those between. */
+const REST_MS = 40;
 
 export function decodesStills(scope: { VideoDecoder?: typeof VideoDecoder } = globalThis): boolean {
   return scope.VideoDecoder !== undefined;
@@ -44,7 +48,9 @@ export class FilmStills {
   /** Counts the wishes; of those that were answered no older one is drawn any more. */
   private asked = 0;
   private drawn = 0;
-  private drawnMs = -Infinity;
+  private wishedMs = -Infinity;
+  private startedMs = -Infinity;
+  private rest: ReturnType<typeof setTimeout> | undefined;
   private running = 0;
   private started = 0;
   private decoding: Promise<void> = Promise.resolve();
@@ -78,11 +84,17 @@ export class FilmStills {
   want(film: string, us: number): void {
     if (this.wish?.film === film && this.wish.us === us) return;
     this.wish = { film, us, number: ++this.asked };
-    this.askNext();
+    const now = this.now();
+    const isQuick = now - this.wishedMs < QUICK_MS;
+    this.wishedMs = now;
+    clearTimeout(this.rest);
+    if (isQuick && now - this.startedMs < SEEN_MS) this.rest = setTimeout(this.askNext, REST_MS);
+    else this.askNext();
   }
 
   /** Nothing is wanted any more, and nothing seen. */
   clear(): void {
+    clearTimeout(this.rest);
     this.asking.abort();
     this.asking = new AbortController();
     this.wish = null;
@@ -95,16 +107,20 @@ export class FilmStills {
     this.decoder.close();
   }
 
-  private askNext(): void {
+  private readonly askNext = (): void => {
     const { wish } = this;
     if (wish === null || wish.number === this.started || this.running >= MOST_RUNNING || this.isSettled) return;
     this.started = wish.number;
+    this.startedMs = this.now();
     this.running += 1;
     void this.answer(wish, this.asking.signal).finally(() => {
       this.running -= 1;
-      this.askNext();
+      // What waited for a place is asked for now; while a hand moves, once it rests.
+      clearTimeout(this.rest);
+      if (this.now() - this.wishedMs >= REST_MS) this.askNext();
+      else this.rest = setTimeout(this.askNext, REST_MS);
     });
-  }
+  };
 
   private async answer(wish: Wish, signal: AbortSignal): Promise<void> {
     try {
@@ -121,11 +137,8 @@ export class FilmStills {
   }
 
   private async show(wish: Wish, picture: FilmPicture, signal: AbortSignal): Promise<void> {
-    const now = this.now();
-    const isPassed = wish.number < this.asked && now - this.drawnMs < SEEN_MS;
-    if (signal.aborted || wish.number < this.drawn || isPassed) return;
+    if (signal.aborted || wish.number < this.drawn) return;
     this.drawn = wish.number;
-    this.drawnMs = now;
     const frame = await this.decoder.decodeLast(picture);
     try {
       signal.throwIfAborted();

@@ -54,10 +54,11 @@ interface Question {
   readonly fail: () => void;
 }
 
-function makeStills(): { stills: FilmStills; asked: Question[]; drawn: [number, FilmStill][]; failed: string[] } {
+function makeStills(): { stills: FilmStills; asked: Question[]; drawn: [number, FilmStill][]; failed: string[]; pass: (ms: number) => void } {
   const asked: Question[] = [];
   const drawn: [number, FilmStill][] = [];
   const failed: string[] = [];
+  let now = 0;
   const stills = new FilmStills({
     fetch: (_film, us) =>
       new Promise((resolve, reject) => {
@@ -65,8 +66,12 @@ function makeStills(): { stills: FilmStills; asked: Question[]; drawn: [number, 
       }),
     draw: (frame, still) => drawn.push([(frame as unknown as { picture: number }).picture, still]),
     failed: (film) => failed.push(film),
-  }, () => 1000);
-  return { stills, asked, drawn, failed };
+  }, () => now);
+  const pass = (ms: number): void => {
+    now += ms;
+    vi.advanceTimersByTime(ms);
+  };
+  return { stills, asked, drawn, failed, pass };
 }
 
 async function settle(): Promise<void> {
@@ -75,6 +80,7 @@ async function settle(): Promise<void> {
 
 describe("stills of films", () => {
   beforeEach(() => {
+    vi.useFakeTimers();
     vi.stubGlobal("VideoDecoder", Decoder);
     vi.stubGlobal("EncodedVideoChunk", class {
       readonly data: Uint8Array;
@@ -87,34 +93,47 @@ describe("stills of films", () => {
   });
   afterEach(() => {
     vi.unstubAllGlobals();
+    vi.useRealTimers();
   });
 
   test("the picture of a moment is drawn with its own time, and nothing is left open", async () => {
-    const { stills, asked, drawn } = makeStills();
+    const { stills, asked, drawn, pass } = makeStills();
     stills.want("a", 7.4e6);
     expect(stills.isSettled).toBe(false);
     asked[0]?.answer();
     await settle();
     expect(drawn).toEqual([[7, { film: "a", us: 7e6, untilUs: 8e6, beforeUs: 6e6 }]]);
     expect([stills.isSettled, open.size]).toEqual([true, 0]);
+    pass(500);
     // Within the same picture nothing is asked for; of another film it is.
     stills.want("a", 7.9e6);
     expect(asked.length).toBe(1);
+    pass(500);
     stills.want("b", 7.9e6);
     expect([asked.length, stills.isSettled]).toEqual([2, false]);
   });
 
   test("while a hand moves the moment the places in between are left out", async () => {
-    const { stills, asked, drawn } = makeStills();
-    for (const us of [1e6, 2e6, 3e6, 4e6]) stills.want("a", us);
-    expect(asked.map(({ us }) => us)).toEqual([1e6, 2e6]);
-    for (const number of [0, 1, 2]) {
+    const { stills, asked, drawn, pass } = makeStills();
+    const places = (): number[] => asked.map(({ us }) => us / 1e6);
+    // A place each 30 ms: something is seen of the way, and the last waits behind none of those between.
+    for (let at = 1; at <= 9; at += 1) {
+      stills.want("a", at * 1e6);
+      pass(30);
+    }
+    expect(places()).toEqual([1, 8]);
+    pass(10);
+    // Two are under way: it comes with the first place that is free.
+    expect(places()).toEqual([1, 8]);
+    for (const number of [1, 0]) {
       asked[number]?.answer();
       await settle();
     }
-    expect(asked.map(({ us }) => us)).toEqual([1e6, 2e6, 4e6]);
-    // Something is seen of the way; what comes right after it would only hold up the last.
-    expect(drawn.map(([picture]) => picture)).toEqual([1, 4]);
+    expect(places()).toEqual([1, 8, 9]);
+    asked[2]?.answer();
+    await settle();
+    // What comes late is not drawn over what is newer.
+    expect(drawn.map(([picture]) => picture)).toEqual([8, 9]);
     expect(Decoder.made.length).toBe(1);
   });
 
@@ -136,11 +155,12 @@ describe("stills of films", () => {
   });
 
   test("the first picture stands also before its time, the last one for ever", async () => {
-    const { stills, asked } = makeStills();
+    const { stills, asked, pass } = makeStills();
     stills.want("a", 0);
     asked[0]?.answer();
     await settle();
     expect([stills.showsMoment("a", -5), stills.showsMoment("a", 1e6)]).toEqual([true, false]);
+    pass(500);
     stills.want("a", 9e6);
     asked[1]?.answer();
     await settle();
