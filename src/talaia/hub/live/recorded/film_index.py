@@ -150,7 +150,8 @@ def _read_offsets(data: memoryview, known: dict[bytes, _Box], sizes: np.ndarray)
         raise RecordingUnreadable(_BROKEN)
     before = np.cumsum(sizes) - sizes
     firsts = np.cumsum(in_chunk) - in_chunk
-    return np.repeat(chunks - before[firsts], in_chunk) + before
+    offsets: np.ndarray = np.repeat(chunks - before[firsts], in_chunk) + before
+    return offsets
 
 
 def _read_keys(data: memoryview, known: dict[bytes, _Box], count: int) -> np.ndarray:

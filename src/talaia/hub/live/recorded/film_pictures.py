@@ -99,12 +99,8 @@ async def _read_picture(
 ) -> FoundPicture:
     picture = index.picture_at(at_us - film.begin_us)
     first, after = int(index.keys[picture]), picture + 1
-    places = [
-        (int(at), int(size))
-        for at, size in zip(
-            index.offsets[first:after], index.sizes[first:after], strict=True
-        )
-    ]  # fmt: skip
+    offsets, sizes = index.offsets[first:after].tolist(), index.sizes[first:after].tolist()
+    places = list(zip(offsets, sizes, strict=True))
     begin, end = min(at for at, _ in places), max(at + size for at, size in places)
     if end - begin > _MOST_BYTES:
         raise RecordingUnreadable("too much stands between two whole pictures of the film")
