@@ -71,22 +71,19 @@ NOTE_PAST = """
     const bar = [...deep(document, 't-time-bar')][0];
     if (bar === undefined) return null;
     const board = [...deep(document, 't-board-view')][0].shadowRoot;
-    known = { bar, values: [...deep(board, 't-value')], video: [...deep(board, 'video')][0] };
+    known = { bar, values: [...deep(board, 't-value')], film: [...deep(board, 't-film-view')][0] };
     return known;
   };
   // Of charts two pixels of a window, of scans those that are left out.
   const near = (us, aboutUs) => us <= note.at + 1e3 && us > note.at - aboutUs;
-  const shown = ({ values, video }) => ({
+  const shown = ({ values, film }) => ({
     values: values.length > 0 && values.every(({ value, state }) =>
       state !== 'unknown' && near(note.beginUs + value * 1e6, 0.15e6)),
     charts: note.charts.size >= note.all
       && [...note.charts.values()].every((us) => near(us, 0.6e6)),
-    film: video !== undefined && !video.seeking && video.readyState >= 2
-      && near(note.filmUs(note.at) + video.currentTime * 1e6, 0.15e6),
+    film: film !== undefined && near(film.shownUs, 0.15e6),
     scan: near(note.scan, 0.45e6),
   });
-  note.filmUs = (us) =>
-    note.beginUs + Math.floor((us - note.beginUs) / note.filmLength) * note.filmLength;
   const watch = () => {
     requestAnimationFrame(watch);
     if (note.took === null || note.took.all) return;
@@ -286,12 +283,9 @@ async def open_past(page: Page, here: Stack, start_us: int) -> None:
     await page.goto(f"{here.origin}/boards/{key}?at={middle:%Y-%m-%dT%H:%M:%SZ}")
     await page.locator("t-chart canvas").first.wait_for()
     await page.locator("t-scene canvas").wait_for()
-    await page.locator("video").wait_for()
+    await page.locator("t-film-view video").wait_for()
     charts = sum(signals * count for kind, signals, count in TILES if kind == "chart")
-    await page.evaluate(
-        f"Object.assign(window.__past, {{beginUs: {start_us}, all: {charts},"
-        f" filmLength: {FILM_S * SECOND_US}}})"
-    )
+    await page.evaluate(f"Object.assign(window.__past, {{beginUs: {start_us}, all: {charts}}})")
     await asyncio.sleep(2)
 
 

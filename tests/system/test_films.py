@@ -120,26 +120,32 @@ def view(page: BrowserPage, stream: str) -> Locator:
 
 
 SHOT = """async view => {
-  const video = view.renderRoot.querySelector("video");
+  const [video, canvas] = ["video", "canvas"].map(name => view.renderRoot.querySelector(name));
   // Settled: where it is to stand, and its picture on the screen.
   for (let quiet = 0; quiet < 8; ) {
     const before = view.shownUs;
     await new Promise(done => requestAnimationFrame(done));
     const still = view.shownUs > 0 && view.shownUs === before;
-    quiet = still && view.ready && view.times !== null ? quiet + 1 : 0;
+    quiet = still && view.ready && (!canvas.hidden || view.times !== null) ? quiet + 1 : 0;
   }
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
-  canvas.getContext("2d").drawImage(video, 0, 0);
-  return [view.shownUs, canvas.toDataURL("image/png")];
+  // What a person sees: the film, or the picture that covers it while it stands still.
+  const seen = canvas.hidden ? video : canvas;
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = canvas.hidden
+    ? [video.videoWidth, video.videoHeight] : [canvas.width, canvas.height];
+  copy.getContext("2d").drawImage(seen, 0, 0);
+  return [view.shownUs, copy.toDataURL("image/png"), seen.localName];
 }"""
 
 
-def shot(page: BrowserPage, stream: str) -> tuple[int, np.ndarray]:
+def shot(
+    page: BrowserPage, stream: str, by: tuple[str, ...] = ("canvas",)
+) -> tuple[int, np.ndarray]:
     """Give the picture that stands there, and the time that is said of it (µs)."""
     one = view(page, stream)
     expect(one.locator("video")).to_be_visible(timeout=PATIENCE_MS)
-    shown_us, url = one.evaluate(SHOT)
+    shown_us, url, seen = one.evaluate(SHOT)
+    assert seen in by
     with Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))) as image:
         return shown_us, np.array(image.convert("RGB"))
 

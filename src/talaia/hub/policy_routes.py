@@ -256,6 +256,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # Each film's camera is looked at besides; what may not be seen is as if it were not there.
         ("GET", "/api/sites/{site}/films"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/films/{recording}/file"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/films/{recording}/picture"): AccessNeed.SEE,
         # Each topic is looked at besides, as of those that are live.
         ("GET", "/api/sites/{site}/recorded-topics"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/recorded-topics/messages"): AccessNeed.SEE,

@@ -381,6 +381,11 @@ async def _film(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     return Ask({"site": site, "recording": name})
 
 
+async def _film_picture(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    asked = await _film(world, client, about)
+    return asked._replace(query={"at_us": NOW}, done=(409,))
+
+
 async def _no_recording(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     return (await _recording(world, client, about))._replace(done=(204,))
 
@@ -794,6 +799,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/films"): of_site(),
     ("GET", "/api/sites/{site}/films/{recording}/file"): Recipe(
         _film, FILMED, lambda actor, about: holds(actor, "view", about)
+    ),
+    # Of the bytes of these tests no picture can be made, and that is said to who may see it.
+    ("GET", "/api/sites/{site}/films/{recording}/picture"): Recipe(
+        _film_picture, FILMED, lambda actor, about: holds(actor, "view", about)
     ),
     ("DELETE", "/api/sites/{site}/recordings/{recording}"): Recipe(_no_recording, SITES),
     ("GET", "/api/storage/outlook"): Recipe(plain()),

@@ -387,6 +387,12 @@ async def test_a_film_comes_in_and_is_shown_in_ranges_to_those_who_see_its_camer
     guest = await hub.client("guest")
     assert [each["id"] for each in (await guest.get(FILMS)).json()["films"]] == []
     assert (await guest.get(at)).status_code == 404
+    # One picture is for the same people; who may see it reads that these bytes are no film.
+    picture = f"{at.removesuffix('file')}picture?at_us={end_us}"
+    assert (await guest.get(picture)).status_code == 404
+    said = await operator.get(picture)
+    assert (said.status_code, said.json()["code"]) == (409, "unreadable")
+    assert (await operator.get(picture.replace("f00001", "abcdef"))).status_code == 404
     admin = await hub.client("admin")
     assert (await admin.delete(f"{AT}/20260101T120000Z-f00001")).status_code == 204
     assert (await operator.get(at)).status_code == 404

@@ -365,6 +365,7 @@ export const SENTENCES: readonly (readonly [said: string, text: (...values: read
   ["this command is under way already", () => msg("this command is under way already")],
   ["this detector has told of no anomaly", () => msg("this detector has told of no anomaly")],
   ["this display is not known, or was revoked", () => msg("this display is not known, or was revoked")],
+  ["this film cannot be read by pictures", () => msg("this film cannot be read by pictures")],
   ["this gateway has no such device", () => msg("this gateway has no such device")],
   ["this gateway is not connected now", () => msg("this gateway is not connected now")],
   ["this gateway's key is void already", () => msg("this gateway's key is void already")],

@@ -122,6 +122,7 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/sites/{site}/recordings"): frozenset({409}),
     ("GET", "/api/sites/{site}/recordings/{recording}/file"): frozenset({409}),
     ("GET", "/api/sites/{site}/films/{recording}/file"): frozenset({409}),
+    ("GET", "/api/sites/{site}/films/{recording}/picture"): frozenset({409}),
     ("POST", "/api/sites/{site}/notes"): frozenset({409}),
     ("PUT", "/api/sites/{site}/notes/{note}"): frozenset({409}),
     ("POST", "/api/sites/{site}/missions"): frozenset({409}),

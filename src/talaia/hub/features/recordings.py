@@ -13,6 +13,7 @@ from talaia.hub.live.files.file_links import FileLinks
 from talaia.hub.live.files.recordings import Recordings
 from talaia.hub.live.files.standstill import end_standing_for_ever
 from talaia.hub.live.files.stored_recordings import StoredRecordings
+from talaia.hub.live.recorded.film_pictures import FilmPictures
 from talaia.hub.live.recorded.recorded_topics import RecordedTopics
 from talaia.hub.store.sites.recordings import RecordingList
 
@@ -80,7 +81,8 @@ class RecordingsFeature(Feature):
         )
         self.sockets = [gateways.router()]
         recorded = RecordedTopicPages(RecordedTopics(self.files), clock=core.clock, audit=audit)
-        self.routers = [RecordingPages(self.files, audit).make_router(), recorded.make_router()]
+        films = RecordingPages(self.files, FilmPictures(store), audit)
+        self.routers = [films.make_router(), recorded.make_router()]
         ends = [self.files.end_standing_uploads, uploads.end_standing_uploads]
         self.tasks = [BackgroundTask(name="standstill", run=partial(end_standing_for_ever, ends))]
         if store.remote:

@@ -21,13 +21,11 @@ import type { IconName } from "../base/icons.js";
 import { onPicture } from "./picture-overlay.js";
 import "../feedback/loading.js";
 import { styled } from "../base/style-directive.js";
+import { pictureState } from "./picture-state.js";
 import { MOST_ZOOM, movedZoom, wheelFactor, WHOLE, zoomedAt, type Zoom } from "./zoom.js";
 
 /** What stands between the page and a picture; `open` when nothing does. */
 export type CameraLink = "connecting" | "open" | "bad" | "none" | "offline" | "refused" | "unsupported";
-
-/** Older than this it is not live (safety rule 12). */
-export const LIVE_MS = 500;
 
 const WORDS: Readonly<Record<CameraLink, { icon: IconName; heading: string; more: string }>> = {
   connecting: { icon: "camera", heading: msg("Connecting to the camera"), more: "" },
@@ -262,8 +260,8 @@ export class CameraView extends LitElement {
   }
 
   override render(): TemplateResult {
-    const live = !this.still && this.drawn && this.link === "open" && this.age <= LIVE_MS;
-    const exposure = this.still && this.drawn;
+    const seen = pictureState({ still: this.still, drawn: this.drawn, isOpen: this.link === "open", ageMs: this.age });
+    const [live, exposure] = [seen === "live", seen === "exposure"];
     return html`<div class=${this.drawn ? (live || exposure ? "" : "aged") : "bare"}>
       ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
       ${this.drawn && this.overlays.length > 0 && !this.editing

@@ -6,9 +6,10 @@ import { css, html, LitElement, nothing, type PropertyValues, type TemplateResul
 import { customElement, property } from "lit/decorators.js";
 import { keyed } from "lit/directives/keyed.js";
 import { repeat } from "lit/directives/repeat.js";
-import { itemsOf, type GridName } from "../../boards/grid.js";
+import { COLUMNS, itemsOf, type GridName } from "../../boards/grid.js";
 import { CommandClient } from "../../controllers/drive/command-client.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
+import { ElementSizeController } from "../../controllers/element-size.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import type { NamedItem } from "../../elements/board/board-grid.js";
@@ -59,6 +60,7 @@ export class BoardView extends LitElement {
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly link = new ConnectionStateController(this);
+  private readonly size = new ElementSizeController(this);
   private readonly painter = new PaintScheduler();
   private readonly pictures = new PictureTimes();
   private feed: ChartFeed | null = null;
@@ -132,12 +134,23 @@ export class BoardView extends LitElement {
     };
   }
 
+  /** Pixels across the widest tile that draws samples; of pairs all are drawn, however wide it is. */
+  private widestChart(tiles: readonly BoardTileShape[], context: BoardTileContext): number {
+    const drawn = new Map(tiles.flatMap(({ id, type, settings }) => ((boardTileEntry(type)?.feeds?.(settings, context).signals.length ?? 0) > 0 ? [[id, type] as const] : [])));
+    if ([...drawn.values()].includes("xy")) return Infinity;
+    const columns = Math.max(0, ...itemsOf(tiles, this.grid, tileSize).map(({ id, w }) => (drawn.has(id) ? w : 0)));
+    const width = this.size.size.width || this.clientWidth;
+    // Not laid out yet: it may become wide.
+    return width === 0 ? Infinity : (width * columns) / COLUMNS[this.grid];
+  }
+
   private subscribeTiles({ tiles }: BoardShape): void {
     const { context, feed } = this;
     if (context === null || feed === null) return;
     const feeds = tiles.flatMap(({ type, settings }) => boardTileEntry(type)?.feeds?.(settings, context) ?? []);
     const signals = [...new Set(feeds.flatMap((wanted): readonly SignalShape[] => wanted.signals))];
     const lengthUs = Math.max(60, ...feeds.map(({ seconds }) => seconds)) * SECOND_US;
+    this.past?.feed.setWidth(this.widestChart(tiles, context));
     this.past?.feed.setLength(lengthUs);
     this.past?.feed.subscribeSignals(signals);
     feed.setLength(lengthUs);

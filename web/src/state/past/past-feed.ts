@@ -10,8 +10,12 @@ import { MINUTE_US, SECOND_US } from "../../series/zone-clock.js";
 import { gapsOfParts, joinSeries } from "./history-samples.js";
 import { PastChunks, type PastColumn, type PastSource } from "./past-chunks.js";
 
-/** Pixels of a wide tile: twice as many points come for each line, and all of them before a moment is shown. */
-const WIDTH = 800;
+/**
+ * Pixels of the widest chart: twice as many points come for each line, and all of them before a moment is shown. No more
+ * than these are asked for, and in whole steps: a chart that is a little wider needs no other answer.
+ */
+const MOST_WIDTH = 800;
+const WIDTH_STEP = 100;
 /** A window is asked for in so many parts: what sticks out of it at its two ends is one of them, and not another window. */
 const PARTS = 8;
 const NO_TIMES = new Float64Array();
@@ -27,6 +31,7 @@ export class PastFeed {
   private readonly shown = new Map<string, ShownUnitShape>();
   private chunks: PastChunks;
   private wanted: readonly string[] = [];
+  private width = 0;
 
   /**
    * @param us the moment that is shown (µs)
@@ -48,6 +53,18 @@ export class PastFeed {
   setLength(lengthUs: number): void {
     if (lengthUs === this.lengthUs) return;
     this.lengthUs = lengthUs;
+    this.remakeChunks();
+  }
+
+  /** How wide the widest chart is (CSS pixels). A board that becomes narrower keeps what it has. */
+  setWidth(pixels: number): void {
+    const width = Math.min(MOST_WIDTH, Math.max(1, Math.ceil(pixels / WIDTH_STEP)) * WIDTH_STEP);
+    if (width <= this.width) return;
+    this.width = width;
+    this.remakeChunks();
+  }
+
+  private remakeChunks(): void {
     this.chunks.close();
     this.chunks = this.makeChunks();
     this.chunks.wantChannels(this.wanted);
@@ -114,7 +131,7 @@ export class PastFeed {
 
   private makeChunks(): PastChunks {
     const lengthUs = Math.ceil(Math.max(MINUTE_US, this.lengthUs) / PARTS);
-    return new PastChunks(this.site, this.source, { lengthUs, width: WIDTH / PARTS, together: PARTS + 1, withLast: false }, this.changed, this.nowUs);
+    return new PastChunks(this.site, this.source, { lengthUs, width: Math.ceil((this.width || MOST_WIDTH) / PARTS), together: PARTS + 1, withLast: false }, this.changed, this.nowUs);
   }
 }
 

@@ -1,23 +1,30 @@
 /**
  * One camera's film at the moment that the charts' cursor stands at.
  *
+ * Standing still it is a picture that is asked for by itself (`film-stills.ts`), over the `<video>` that plays it.
+ *
  * Long, because keeping a `<video>` at a moment that others decide is one matter: which file, where
  * in it, how fast, and what to say while there is no picture.
  */
 
+import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { momentText } from "../../elements/chart/cursor-values.js";
 import { onPicture } from "../../elements/camera/picture-overlay.js";
 import { formatNumber } from "../../format/number.js";
 import { formatClock, knownZone } from "../../format/time.js";
+import { apiContext } from "../../state/contexts.js";
 import { fetchTimes } from "../../wire/mp4-times.js";
-import { filmPath } from "../../wire/films-api.js";
+import { FilmPicturesApi, filmPath } from "../../wire/films-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
 import type { FilmShape } from "../../generated/api.js";
 import { recordingPath } from "../../wire/recordings-api.js";
 import { pictureAt, filmStateAt, stepTime, type CameraFilms, type FilmState } from "./film-search.js";
+import { decodesStills, FilmStills, type FilmStill } from "./film-stills.js";
+import { filmViewStyle } from "./film-view-style.js";
 import "../../elements/forms/button.js";
 import "../../elements/base/icon.js";
 
@@ -29,6 +36,10 @@ const PULL = 0.4;
 const INTO_S = 0.000_5;
 /** Less than this is the same place (s). */
 const SAME_S = 0.000_4;
+/** After so long (ms) at one moment somebody may well play from there: the film is made ready. */
+const REST_MS = 1500;
+/** A picture of another film stays for so long (ms) while that of the moment comes: as the rest of a board does. */
+const BLINK_MS = 300;
 
 interface PresentedFrame {
   readonly mediaTime: number;
@@ -40,83 +51,7 @@ export class FilmView extends LitElement {
   static override styles = [
     base,
     onPicture,
-    css`
-      :host {
-        display: grid;
-        position: relative;
-        overflow: hidden;
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: #000;
-        aspect-ratio: 4 / 3;
-        min-inline-size: 0;
-        container-type: inline-size;
-      }
-      video {
-        position: absolute;
-        inset: 0;
-        inline-size: 100%;
-        block-size: 100%;
-        object-fit: contain;
-        filter: var(--t-picture-filter, none);
-      }
-      video[hidden] {
-        display: none;
-      }
-      .veil {
-        padding-block-end: var(--t-space-6);
-        background: var(--t-raised);
-        color: var(--t-text);
-        overflow: auto;
-      }
-      .veil a {
-        color: var(--t-accent);
-        font-weight: var(--t-weight-strong);
-      }
-      .ways {
-        display: flex;
-        flex-wrap: wrap;
-        justify-content: center;
-        gap: var(--t-space-2);
-      }
-      .get {
-        position: absolute;
-        inset-block-start: var(--t-space-2);
-        inset-inline-end: var(--t-space-2);
-      }
-      .badge {
-        display: block;
-        position: absolute;
-        inset-block-end: var(--t-space-2);
-        inset-inline-start: var(--t-space-2);
-        max-inline-size: calc(100% - 2 * var(--t-space-2));
-        pointer-events: none;
-      }
-      /* Several side by side on a phone: the picture comes first, full screen has the rest. */
-      @container (inline-size < 15rem) {
-        .get,
-        .badge time,
-        .veil p {
-          display: none;
-        }
-        .badge {
-          inset: auto auto 0 0;
-          border-width: 0;
-          border-radius: 0 var(--t-radius-s) 0 0;
-        }
-        .veil {
-          padding: var(--t-space-1);
-          padding-block-end: var(--t-space-5);
-          gap: 0;
-        }
-        .veil h3 {
-          font-size: var(--t-size-s);
-        }
-        .veil t-button {
-          font-size: var(--t-size-s);
-        }
-      }
-    `,
+    filmViewStyle,
   ];
 
   @property() site = "";
@@ -133,7 +68,32 @@ export class FilmView extends LitElement {
   @state() shownUs = 0;
   @state() private broken = "";
 
+  /** A picture that stands still covers the film. */
+  @state() private isStill = false;
+
+  @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   @query("video") private readonly video!: HTMLVideoElement;
+  @query("canvas") private readonly canvas!: HTMLCanvasElement;
+
+  private readonly stills = new FilmStills({
+    fetch: async (film, us, signal) => {
+      if (this.api === undefined) throw new RangeError("no hub");
+      return new FilmPicturesApi(this.api).findPicture(this.site, film, us, signal);
+    },
+    draw: (frame, still) => {
+      this.drawStill(frame, still);
+    },
+    failed: (film) => {
+      this.withoutStills = film;
+      this.isStill = false;
+      this.requestUpdate();
+    },
+  });
+  /** The film of which no single pictures can be had. */
+  private withoutStills = "";
+  private rest: ReturnType<typeof setTimeout> | undefined;
+  private blink: ReturnType<typeof setTimeout> | undefined;
+  private restedUs = Number.NaN;
 
   private film: FilmShape | null = null;
   private times: Float64Array | null = null;
@@ -143,11 +103,13 @@ export class FilmView extends LitElement {
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     this.loadFilm(null);
+    this.stills.close();
   }
 
   /** Whether the picture of the moment is there, or none is to be expected. */
   get ready(): boolean {
     if (this.film === null || this.broken !== "") return true;
+    if (!this.playing && this.usesStills(this.film)) return this.isStill && this.stills.isSettled;
     return !this.video.seeking && this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA;
   }
 
@@ -156,6 +118,11 @@ export class FilmView extends LitElement {
     const { film, times } = this;
     if (film === null) return null;
     if (times !== null) return stepTime(film, times, us, by);
+    const { shown } = this.stills;
+    if (shown !== null && this.stills.showsMoment(film.id, us)) {
+      if (by < 0) return shown.beforeUs;
+      return shown.untilUs === Infinity ? null : shown.untilUs;
+    }
     const step = (film.end_us - film.begin_us) / Math.max(1, film.pictures - 1);
     const to = us + by * step;
     return film.begin_us <= to && to <= film.end_us ? to : null;
@@ -172,17 +139,20 @@ export class FilmView extends LitElement {
     const showing = this.reel === null ? null : filmStateAt(this.reel, this.us);
     const plays = showing?.kind === "film" && this.broken === "";
     const name = this.reel?.name ?? "";
+    const label = plays && this.shownUs > 0 ? msg(str`Film of ${name}, picture of ${this.moment(this.shownUs)}`) : msg(str`Film of ${name}`);
     return html`<video
         .muted=${true}
         playsinline
         preload="metadata"
         disablepictureinpicture
         ?hidden=${!plays}
-        aria-label=${plays && this.shownUs > 0 ? msg(str`Film of ${name}, picture of ${this.moment(this.shownUs)}`) : msg(str`Film of ${name}`)}
+        aria-hidden=${plays && this.isStill ? "true" : nothing}
+        aria-label=${label}
         @seeked=${this.onMediaReady}
         @loadeddata=${this.onMediaReady}
         @error=${this.onMediaError}
       ></video>
+      <canvas role="img" aria-label=${label} ?hidden=${!plays || !this.isStill}></canvas>
       ${plays
         ? html`<div class="tint"></div>
             <a class="key get" href=${filmPath(this.site, showing.film.id)} download title=${msg("Download this film")} aria-label=${msg(str`Download this film of ${name}`)}>
@@ -253,19 +223,65 @@ export class FilmView extends LitElement {
     this.film = film;
     this.times = null;
     this.broken = "";
-    this.shownUs = 0;
     this.asking?.abort();
     this.asking = null;
     this.watching += 1;
+    this.restedUs = Number.NaN;
+    clearTimeout(this.rest);
+    clearTimeout(this.blink);
+    this.dropVideo();
+    if (film === null) this.dropStill();
+    else if (this.isStill && this.usesStills(film)) this.blink = setTimeout(this.dropOtherStill, BLINK_MS);
+    else this.dropStill();
+  }
+
+  private coverFilm(still: FilmStill): void {
+    this.isStill = true;
+    this.shownUs = still.us;
+  }
+
+  /** The `<video>` gets the film, unless it has it. */
+  private openVideo(film: FilmShape): void {
     const { video } = this;
-    if (film === null) {
-      video.removeAttribute("src");
-      video.load();
-      return;
-    }
+    if (video.hasAttribute("src")) return;
     // Where to begin stands in the address: a browser that has to be told once it knows the file asks for it twice.
     video.src = `${filmPath(this.site, film.id)}#t=${(Math.max(0, this.us - film.begin_us) / 1e6).toFixed(3)}`;
     this.watchFrames(this.watching);
+  }
+
+  private dropVideo(): void {
+    const { video } = this;
+    if (!video.hasAttribute("src")) return;
+    video.removeAttribute("src");
+    video.load();
+  }
+
+  private readonly dropOtherStill = (): void => {
+    if (this.stills.shown?.film !== this.film?.id) this.dropStill();
+  };
+
+  private dropStill(): void {
+    // What is wanted of the film that is open now goes on being wanted.
+    if (this.film === null || !this.usesStills(this.film)) this.stills.clear();
+    this.isStill = false;
+    this.shownUs = 0;
+  }
+
+  /** Single pictures can be had of it, and decoded here. */
+  private usesStills(film: FilmShape): boolean {
+    return this.api !== undefined && this.withoutStills !== film.id && decodesStills();
+  }
+
+  private drawStill(frame: VideoFrame, still: FilmStill): void {
+    const { canvas, film } = this;
+    if (still.film !== film?.id) return;
+    canvas.width = frame.displayWidth;
+    canvas.height = frame.displayHeight;
+    canvas.getContext("2d")?.drawImage(frame, 0, 0);
+    // Playing, the film itself is seen already.
+    if (this.playing && !this.isStill && this.shownUs > 0) return;
+    this.coverFilm(still);
+    this.dispatchEvent(new CustomEvent("t-ready"));
   }
 
   /** Asked for once a picture is seen: it comes first. */
@@ -278,7 +294,7 @@ export class FilmView extends LitElement {
         if (asking.signal.aborted) return;
         this.times = times;
         // It may be the right picture already, and stay where it is.
-        if (this.video.paused && !this.video.seeking) this.holdsTime(film, this.video.currentTime);
+        if (!this.isStill && this.video.paused && !this.video.seeking) this.holdsTime(film, this.video.currentTime);
         this.requestUpdate();
       },
       // Without them pictures are asked for by the clock alone.
@@ -291,7 +307,10 @@ export class FilmView extends LitElement {
     const { video } = this;
     const recordFrameTime = (_now: number, { mediaTime }: PresentedFrame): void => {
       if (turn !== this.watching || this.film === null) return;
-      if (!video.paused) this.holdsTime(this.film, mediaTime);
+      if (!video.paused) {
+        this.isStill = false;
+        this.holdsTime(this.film, mediaTime);
+      }
       video.requestVideoFrameCallback(recordFrameTime);
     };
     if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(recordFrameTime);
@@ -317,8 +336,12 @@ export class FilmView extends LitElement {
   private followMoment(): void {
     const { film, video } = this;
     if (film === null || this.broken !== "") return;
-    if (this.playing && this.us < film.end_us) this.playFilm(film, video);
-    else this.showStill(film, video);
+    if (this.playing && this.us < film.end_us) {
+      this.restedUs = Number.NaN;
+      clearTimeout(this.rest);
+      this.openVideo(film);
+      this.playFilm(film, video);
+    } else this.showStill(film, video);
   }
 
   private playFilm(film: FilmShape, video: HTMLVideoElement): void {
@@ -343,6 +366,31 @@ export class FilmView extends LitElement {
       video.pause();
       this.holdsTime(film, video.currentTime);
     }
+    if (this.usesStills(film)) {
+      this.stills.want(film.id, this.us);
+      const { shown } = this.stills;
+      // It may have been drawn before somebody played and came back.
+      if (!this.isStill && shown !== null && this.stills.showsMoment(film.id, this.us)) this.coverFilm(shown);
+      this.restAt(film, video);
+      return;
+    }
+    this.openVideo(film);
+    this.seekStill(film, video);
+  }
+
+  /** Below its picture the film comes to the same place, once the moment stays. */
+  private restAt(film: FilmShape, video: HTMLVideoElement): void {
+    if (this.us === this.restedUs) return;
+    this.restedUs = this.us;
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => {
+      if (film.id !== this.film?.id || this.playing || document.hidden) return;
+      this.openVideo(film);
+      this.seekStill(film, video);
+    }, REST_MS);
+  }
+
+  private seekStill(film: FilmShape, video: HTMLVideoElement): void {
     // One after the other: while fingers move the cursor, what comes in between is left out.
     if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
     const place = this.positionInFile(film);
@@ -361,7 +409,7 @@ export class FilmView extends LitElement {
   private readonly onMediaReady = (): void => {
     const { film, video } = this;
     // Standing still, the picture is that of the place: what is told of frames may come too late.
-    if (film !== null && video.paused && !video.seeking) this.holdsTime(film, video.currentTime);
+    if (film !== null && !this.isStill && video.paused && !video.seeking) this.holdsTime(film, video.currentTime);
     if (film !== null) this.loadTimes(film);
     this.followMoment();
     this.dispatchEvent(new CustomEvent("t-ready"));
@@ -370,6 +418,11 @@ export class FilmView extends LitElement {
   private readonly onMediaError = (): void => {
     const { error } = this.video;
     if (this.film === null || error === null) return;
+    // Of what nobody sees yet nothing is said: its picture is here.
+    if (this.isStill && !this.playing) {
+      this.dropVideo();
+      return;
+    }
     this.broken = error.code === MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED || error.code === MediaError.MEDIA_ERR_DECODE
       ? msg("This browser cannot play it, or the hub does not give it any more.")
       : msg("The hub does not answer.");
@@ -377,8 +430,10 @@ export class FilmView extends LitElement {
 
   private readonly retry = (): void => {
     const { film } = this;
+    this.withoutStills = "";
     this.loadFilm(null);
     this.loadFilm(film);
+    this.requestUpdate();
   };
 }
 

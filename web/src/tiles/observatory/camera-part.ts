@@ -20,6 +20,7 @@ import type { CommandShape, DeviceShape, FrameDetail, SignalShape } from "../../
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../archive/frame-preview.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
+import { newestTurn } from "./newest-turn.js";
 import { cameraCommands, cameraSignals, meaningOf, type CameraSignals, type CommandButton } from "./roles.js";
 import "../../elements/layout/card.js";
 import "../../elements/feedback/empty.js";
@@ -31,10 +32,6 @@ import "../command/command-card.js";
 import "../command/command-buttons.js";
 import "../signal-value.js";
 
-/** The archive is asked for something newer this often (ms), and when an exposure ends. */
-const AGAIN_MS = 15_000;
-/** A picture needs a moment to come from the camera into the archive (ms). */
-const COMES_MS = 4000;
 /** A countdown that has not moved for so long (ms) is none. */
 const COUNTS_MS = 3000;
 
@@ -119,9 +116,7 @@ export class CameraPart extends DevicePart {
     this.trackExposure(signals);
     const device = this.device?.id ?? "";
     if (device === "") return;
-    const turn = Math.floor(Date.now() / AGAIN_MS);
-    const late = this.ends > 0 && Date.now() > this.ends + COMES_MS ? this.ends : 0;
-    this.newest.load(`${this.site} ${device} ${String(turn)} ${String(late)}`, () => this.loadNewestFrame(device));
+    this.newest.load(`${this.site} ${device} ${newestTurn(Date.now(), this.ends)}`, () => this.loadNewestFrame(device));
   }
 
   /** The length of an exposure is the most that was ever left of it. */

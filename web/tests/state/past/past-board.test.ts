@@ -15,14 +15,14 @@ const NOW = THEN + 60 * MINUTE;
 
 /** A robot that says each second how many seconds of its recording have passed; `base/word` says it in words. */
 class Recorder implements PastSource {
-  readonly asked: { channels: readonly string[]; fromUs: number; toUs: number }[] = [];
+  readonly asked: { channels: readonly string[]; fromUs: number; toUs: number; width: number }[] = [];
   /** Moments of which only the last values were asked for. */
   readonly moments: { channels: readonly string[]; us: number }[] = [];
   broken = false;
   constructor(readonly fromUs = THEN - 10 * MINUTE, readonly toUs = NOW) {}
 
-  history(_site: string, { channels, fromUs, toUs }: HistoryQuery): Promise<HistoryAnswer> {
-    this.asked.push({ channels, fromUs, toUs });
+  history(_site: string, { channels, fromUs, toUs, width }: HistoryQuery): Promise<HistoryAnswer> {
+    this.asked.push({ channels, fromUs, toUs, width });
     if (this.broken) return Promise.reject(new Error("down"));
     const times: number[] = [];
     for (let us = Math.ceil(Math.max(this.fromUs, fromUs) / S) * S; us < Math.min(this.toUs, toUs); us += S) times.push(us);
@@ -218,6 +218,23 @@ describe("a board in the past", () => {
     expect(trace.version).not.toBe(before);
     expect(board.feed.currentWindow()).toEqual({ fromUs: THEN + 10 * S, toUs: THEN + 70 * S });
     expect(board.feed.ageS("base/speed")).toBe(0);
+  });
+
+  test("charts ask for as many points as the widest one has pixels, in steps, and keep what they have when it is narrower", async () => {
+    const { board, source } = boardAt(THEN + 90 * S);
+    board.feed.setWidth(430);
+    board.feed.subscribeSignals([SIGNAL]);
+    await settle();
+    const points = (): number[] => source.asked.map(({ width, fromUs, toUs }) => Math.round((width * 5 * MINUTE) / (toUs - fromUs)));
+    expect(points().every((each) => each >= 500 && each < 510)).toBe(true);
+    const asked = source.asked.length;
+    board.feed.setWidth(300);
+    board.feed.setWidth(480);
+    await settle();
+    expect(source.asked.length).toBe(asked);
+    board.feed.setWidth(Infinity);
+    await settle();
+    expect(points().at(-1)).toBeGreaterThanOrEqual(800);
   });
 
   test("charts stay as they are for a blink after a jump, until theirs has come; not while a hand goes on", async () => {

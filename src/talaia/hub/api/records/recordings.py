@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
 from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, Response
 
 from talaia.hub.api.access import address_of, live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
+from talaia.hub.api.records.query_params import STILL, Time
 from talaia.hub.api.records.stored_files import send_stored_file
 from talaia.hub.api.schemas.recording_schemas import (
     FilmListShape,
@@ -23,6 +24,7 @@ from talaia.hub.api.schemas.recording_schemas import (
 )
 from talaia.hub.auth.permissions import Right, sees_stream
 from talaia.hub.live.files.recording_files import file_key
+from talaia.hub.live.recorded.errors import RecordingUnreadable
 from talaia.hub.store.sites.recordings import RecordingState
 from talaia.model.connection import topic_of
 from talaia.wire.frames import RecordingRequest
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.files.recordings import Recordings
+    from talaia.hub.live.recorded.film_pictures import FilmPictures
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.recordings import Recorded
@@ -40,7 +43,8 @@ __all__ = ["RecordingPages"]
 
 _MOST_FILMS = 500  # in one answer; ``more`` says that there are others
 # A file may have been made by anyone who has a gateway's key: it must not act in a page.
-_STILL = {"Content-Security-Policy": "sandbox; default-src 'none'; media-src 'self'"}
+_PLAYED = {"Content-Security-Policy": "sandbox; default-src 'none'; media-src 'self'"}
+_INCOMPLETE = "this recording is not here as a whole"
 _UNDESCRIBED = "the site description says nothing of recording"
 _OFFLINE = "the gateway is not connected now"
 _UNABLE = "this gateway cannot film cameras; install talaia[camera] there, or a newer version"
@@ -49,9 +53,10 @@ _UNABLE = "this gateway cannot film cameras; install talaia[camera] there, or a 
 class RecordingPages:
     """The routes of recordings."""
 
-    def __init__(self, recordings: Recordings, audit: Audit) -> None:
-        """Answer from ``recordings``."""
+    def __init__(self, recordings: Recordings, pictures: FilmPictures, audit: Audit) -> None:
+        """Answer from ``recordings``, and of their films from ``pictures``."""
         self._recordings = recordings
+        self._pictures = pictures
         self._audit = audit
 
     def make_router(self) -> APIRouter:
@@ -65,6 +70,11 @@ class RecordingPages:
         at = "/api/sites/{site}/films"
         router.get(at)(self.films)
         router.get(at + "/{recording}/file", response_class=FileResponse)(self.film)
+        router.get(
+            at + "/{recording}/picture",
+            response_class=Response,
+            responses={200: {"content": {"application/msgpack": {}}}},
+        )(self.picture)
         return router
 
     async def overview(self, site: str, request: Request) -> RecordingListShape:
@@ -144,17 +154,41 @@ class RecordingPages:
 
     async def film(self, site: str, recording: str, request: Request) -> Response:
         """Show a film (MP4); ranges may be asked for."""
+        found = await self._find_film(site, recording, request)
+        return await self._send_file(found, request, "inline")
+
+    async def picture(self, site: str, recording: str, request: Request, at_us: Time) -> Response:
+        """Give the picture of a film that stands at a moment (H.264), in MessagePack.
+
+        ``data`` has all that a decoder needs for it, in order: from the last picture that needs
+        none before it up to this one, each as in an MP4 file of that ``codec`` and
+        ``description`` (``avcC``). ``times_us`` says when each of them came, ``before_us`` and
+        ``next_us`` when the pictures beside this one did.
+        """
+        found = await self._find_film(site, recording, request)
+        if found.state is not RecordingState.COMPLETE:
+            raise ApiProblem(409, "incomplete", _INCOMPLETE)
+        try:
+            picture = await self._pictures.find_picture(found, at_us)
+        except FileNotFoundError as error:
+            raise ApiProblem(409, "incomplete", _INCOMPLETE) from error
+        except RecordingUnreadable as error:
+            raise ApiProblem(409, "unreadable", "this film cannot be read by pictures") from error
+        data = msgspec.msgpack.encode(picture._asdict())
+        return Response(data, media_type="application/msgpack", headers=STILL)
+
+    async def _find_film(self, site: str, recording: str, request: Request) -> Recorded:
+        """Find a film of a camera that the person may see; of others they learn nothing."""
         found = await self._recordings.find_recording(site, recording)
         if found is None or not _sees_recording(who_of(request).grants, live_of(request), found):
             raise ApiProblem(404, "unknown", "there is no such film")
-        return await self._send_file(found, request, "inline")
+        return found
 
     async def _send_file(self, found: Recorded, request: Request, how: str) -> Response:
         camera = found.stream.replace("/", "-")
         name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
-        said = "this recording is not here as a whole"
         if found.state is not RecordingState.COMPLETE:
-            raise ApiProblem(409, "incomplete", said)
+            raise ApiProblem(409, "incomplete", _INCOMPLETE)
         try:
             answer = await send_stored_file(
                 self._recordings.store,
@@ -162,11 +196,11 @@ class RecordingPages:
                 request,
                 name=f"{found.site}-{name}",
                 kind="video/mp4" if camera else "application/octet-stream",
-                headers=_STILL,
+                headers=_PLAYED,
                 disposition=how,
             )
         except FileNotFoundError as error:
-            raise ApiProblem(409, "incomplete", said) from error
+            raise ApiProblem(409, "incomplete", _INCOMPLETE) from error
         # A player asks for a film in many parts: only whole downloads are written down.
         if "range" not in request.headers:
             self._append_record(request, "recording downloaded", found.site, found.id)
