@@ -158,11 +158,13 @@ backend hubs
   option httpchk GET /api/ready
   http-check send hdr Host 127.0.0.1
   http-check expect status 200
-  timeout check 1s
+  timeout check 2s
   # A hub's own certificate is for browsers and gateways, whose TLS passes through here; a check
-  # only asks whether the hub is ready. `send-proxy-v2` tells the hub who comes.
+  # only asks whether the hub is ready. `send-proxy-v2` tells the hub who comes. Sessions of a hub
+  # that is late with its answer stay: gateways and pages notice one that is gone within seconds,
+  # and to cut off all at once makes a busy hub busier.
   default-server check check-ssl verify none inter 500ms fall 2 rise 1 send-proxy-v2 \
-check-send-proxy on-marked-down shutdown-sessions resolvers containers init-addr last,libc,none
+check-send-proxy resolvers containers init-addr last,libc,none
 {servers}
 
 # For whoever watches this process.

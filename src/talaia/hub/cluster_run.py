@@ -21,6 +21,7 @@ from talaia.hub.api.static_pages import Pages
 from talaia.hub.app import build_hub
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.cluster.entrance import NoLead
+from talaia.hub.cluster.lead_wait import LeadWait
 from talaia.hub.cluster.member import ClusterMember
 from talaia.hub.cluster.nats_bus import NatsBus
 from talaia.hub.errors import HubError
@@ -85,6 +86,8 @@ class ClusterHub:
         self._lock = LeadLock(settings.url, taken=self._take_lead, lost=self._lose_lead)
         self._member.database_ms = lambda: self._lock.answered_ms
         self._member.count_own = self._count_own
+        self._waiting = LeadWait(self._is_answered)
+        self._member.lead_heard = self._waiting.notify
         # Built while nobody waits for it; it opens when this hub leads.
         self._hub: Hub = build_hub(settings, clock, seat=self)
         self._leading: Hub | None = None
@@ -176,12 +179,14 @@ class ClusterHub:
         if scope["path"] in {"/api/health", "/api/ready"}:
             await self._own(scope, receive, send)
             return
+        if self._leading is None and self._is_asset(scope):
+            await self._own(scope, receive, send)
+            return
+        await self._waiting.wait_for_lead()
         hub = self._leading
         if hub is not None:
             with self._counted(scope):
                 await hub.asgi(scope, receive, send)
-        elif self._is_asset(scope):
-            await self._own(scope, receive, send)
         else:
             try:
                 await self._member.entrance.serve_request(scope, receive, send)
@@ -212,7 +217,14 @@ class ClusterHub:
     def _is_ready(self) -> bool:
         if self._leaving or self.ended.is_set():
             return False
-        return self._leading is not None or self._member.find_lead() is not None
+        # Who comes within a take-over is held until it is done: were no hub ready, a load balancer
+        # would send everybody away, and they would come again at one blow.
+        return self._leading is not None or self._member.led_lately
+
+    def _is_answered(self) -> bool:
+        """Tell whether a hub leads, or none is to be expected here soon."""
+        ends = self._leaving or self.ended.is_set() or not self._member.connected
+        return ends or self._leading is not None or self._member.find_lead() is not None
 
     def _is_asset(self, scope: Scope) -> bool:
         # Named by their content: the same at every hub that has it, and open to all.
@@ -284,6 +296,7 @@ class ClusterHub:
             with self._data_lock():
                 async with self._hub.running():
                     self._leading = self._hub
+                    self._waiting.notify()
                     await self._member.begin_leading(self._hub.asgi, self._epoch)
                     self._announce()
                     await self._closing.wait()

@@ -79,9 +79,14 @@ async def _stay_linked(link: Callable[[], Awaitable[None]]) -> None:
     backoff = Backoff(random.SystemRandom().random)
     while True:
         began = time.monotonic()
-        with contextlib.suppress(*_LOSSES):
+        why="end"
+        try:
             await link()
-        await asyncio.sleep(backoff.after(time.monotonic() - began))
+        except _LOSSES as e:
+            why=repr(e)[:150]
+        pause=backoff.after(time.monotonic() - began)
+        print("LOST", round(time.monotonic(),2), round(time.monotonic() - began,2), why, round(pause,2), file=sys.stderr)
+        await asyncio.sleep(pause)
 
 
 class NumberedGateway:
@@ -128,6 +133,7 @@ class NumberedGateway:
                     self.silence.hear()
                     if isinstance(message, frames.Welcome):
                         self.links += 1
+                        print("WELCOME", round(time.monotonic(),2), self.site, file=sys.stderr)
                         self.socket = socket
                         self._forget(message.acked)
                         sending = asyncio.create_task(self._send(socket))
@@ -273,6 +279,7 @@ async def main(address: str, keys: list[str], cookie: str, count: int) -> None:
         if broken := next((task for task in tasks if task.done()), None):
             broken.result()
         if line == "fault":
+            print("FAULT", round(time.monotonic(),2), file=sys.stderr)
             for one in (*gateways, *pages):
                 one.silence.begin_fault()
         elif line == "spread":

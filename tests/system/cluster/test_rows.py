@@ -26,7 +26,7 @@ from .rows import ROWS, Row
 
 MINUTES = float(os.environ.get("TALAIA_PROOF_MINUTES", "0"))
 TARGET = os.environ.get("TALAIA_PROOF_TABLE")
-GATEWAYS, PAGES = (200, 50) if MINUTES else (20, 5)
+GATEWAYS, PAGES = (int(word) for word in os.environ.get("TALAIA_CLUSTER_CROWD", "200,50" if MINUTES else "20,5").split(","))
 # A run of so many minutes is a proof, and each row is run three times.
 WHOLE = 20.0
 RUNS = 3 if MINUTES >= WHOLE else 1

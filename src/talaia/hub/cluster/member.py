@@ -80,6 +80,8 @@ class ClusterMember:
         # What this hub counts itself while it leads: links of gateways and sockets that came here.
         self.count_own: Callable[[], tuple[int, int]] = lambda: (0, 0)
         self.database_ms: Callable[[], float] = lambda: 0.0
+        # Called when another hub says that it leads.
+        self.lead_heard: Callable[[], None] = lambda: None
 
     @property
     def leads(self) -> bool:
@@ -94,6 +96,11 @@ class ClusterMember:
     def find_lead(self) -> HubNotice | None:
         """Give the other hub that leads; None: none is heard."""
         return self.peers.find_lead(self._clock.monotonic_ns()) if self._bus.connected else None
+
+    @property
+    def led_lately(self) -> bool:
+        """Whether another hub leads, or did a moment ago."""
+        return self._bus.connected and self.peers.led_lately(self._clock.monotonic_ns())
 
     async def open(self) -> None:
         """Listen from now on."""
@@ -221,6 +228,7 @@ class ClusterMember:
         elif notice.leads and not self._epoch:
             # Of a new lead at once: who still asks the one of before waits for nothing.
             self.entrance.break_off("another hub leads now", but=self._find_lead_hub())
+            self.lead_heard()
 
     def _hear_tunnel(self, lane: BusLane, hub: str, frame: TunnelFrame) -> None:
         name = TunnelName(hub, frame.tunnel)

@@ -15,6 +15,8 @@ __all__ = ["BEAT_S", "SILENT_S", "HubNotice", "KnownHub", "Peers"]
 # page takes a lost link for lost.
 BEAT_S = 0.5
 SILENT_S = 2.0
+# A lead that is gone is replaced within this, in most cases (s).
+TAKE_OVER_S = 5.0
 # One that has gone is shown so long (s).
 _SHOWN_S = 86_400.0
 _MOST_KNOWN = 200
@@ -93,6 +95,14 @@ class Peers:
         """Tell whether a hub was heard a moment ago."""
         known = self._known.get(hub)
         return known is not None and now_ns - known.heard_ns <= SILENT_S * 1e9
+
+    def led_lately(self, now_ns: int) -> bool:
+        """Tell whether a hub leads, or did so a moment ago: another one is about to."""
+        within_ns = (SILENT_S + TAKE_OVER_S) * 1e9
+        return any(
+            known.notice.leads and now_ns - known.heard_ns <= within_ns
+            for known in self._known.values()
+        )
 
     def find_lead(self, now_ns: int) -> HubNotice | None:
         """Give the hub that leads; None: none is heard that does."""

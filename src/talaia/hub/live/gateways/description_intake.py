@@ -22,7 +22,7 @@ from talaia.model.renames import list_renames
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
-from talaia.wire.sealing import decompress_text
+from talaia.wire.sealing import decompress_text, digest_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -88,6 +88,15 @@ class DescriptionIntake:
         # Knows why a change was asked for, and who waits for its end.
         self._changes = changes
 
+    def has_news(self, hello: frames.Hello, site: str, source: str) -> bool:
+        """Tell whether something of a hello is to be stored: it is not word for word as before."""
+        live = self._sites.find_site(site)
+        return (
+            live is None
+            or live.gateway.fingerprint != fingerprint_of(hello.description, hello.catalogue)
+            or live.gateway.digest != digest_of(source or hello.description)
+        )
+
     async def handle_hello(
         self, hello: frames.Hello, description: Site, source: str, gateway: int
     ) -> Mapping[str, str]:
@@ -118,7 +127,7 @@ class DescriptionIntake:
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
             await self._history.describe_site(description)
         # The text that a person wrote may change while what it describes does not.
-        if live is None or live.gateway.fingerprint != told or live.gateway.source != source:
+        if self.has_news(hello, site, source):
             note = "first seen" if live is None else "changed at the gateway"
             await self._versions.add_version(
                 site, source or hello.description, gateway=gateway, who="", note=note
@@ -193,6 +202,7 @@ class DescriptionIntake:
         # A hello that says the same is known by it.
         live.gateway.fingerprint = fingerprint_of(said, told.catalogue)
         live.gateway.source = source
+        live.gateway.digest = digest_of(source or said)
         # What was wrong with its file is put right: this text can be used.
         live.gateway.problem = None
         live.drop_undescribed()

@@ -32,6 +32,7 @@ from talaia.model.renames import former_addresses, list_renames
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
 from talaia.wire.newest import chosen_newest, runs_of
+from talaia.wire.sealing import digest_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -177,9 +178,12 @@ class LinkService:
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
-            async with self._admission.wait_turn():
-                later = await self._describing.handle_hello(hello, description, source, key.id)
-                acked = await _first_missing(ingest, hello)
+            later: Mapping[str, str] = {}
+            # Turns are for what is stored: whoever says the same as ever waits for nobody.
+            if self._describing.has_news(hello, site, source):
+                async with self._admission.wait_turn():
+                    later = await self._describing.handle_hello(hello, description, source, key.id)
+            acked = await _first_missing(ingest, hello)
         except HubBusy as error:
             await link.send_farewell(str(error), TRY_LATER, self._admission.after_s)
             return
@@ -195,8 +199,9 @@ class LinkService:
         if not await self._places.wait_place(link, key, hello, address):
             return
         gateway = LinkedGateway(
-            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts
-        )
+            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts,
+            digest=digest_of(source or hello.description),
+        )  # fmt: skip
         self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
         link.send(
