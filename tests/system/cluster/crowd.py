@@ -79,14 +79,9 @@ async def _stay_linked(link: Callable[[], Awaitable[None]]) -> None:
     backoff = Backoff(random.SystemRandom().random)
     while True:
         began = time.monotonic()
-        why="end"
-        try:
+        with contextlib.suppress(*_LOSSES):
             await link()
-        except _LOSSES as e:
-            why=repr(e)[:150]
-        pause=backoff.after(time.monotonic() - began)
-        print("LOST", round(time.monotonic(),2), round(time.monotonic() - began,2), why, round(pause,2), file=sys.stderr)
-        await asyncio.sleep(pause)
+        await asyncio.sleep(backoff.after(time.monotonic() - began))
 
 
 class NumberedGateway:
@@ -133,7 +128,6 @@ class NumberedGateway:
                     self.silence.hear()
                     if isinstance(message, frames.Welcome):
                         self.links += 1
-                        print("WELCOME", round(time.monotonic(),2), self.site, file=sys.stderr)
                         self.socket = socket
                         self._forget(message.acked)
                         sending = asyncio.create_task(self._send(socket))
@@ -279,7 +273,6 @@ async def main(address: str, keys: list[str], cookie: str, count: int) -> None:
         if broken := next((task for task in tasks if task.done()), None):
             broken.result()
         if line == "fault":
-            print("FAULT", round(time.monotonic(),2), file=sys.stderr)
             for one in (*gateways, *pages):
                 one.silence.begin_fault()
         elif line == "spread":

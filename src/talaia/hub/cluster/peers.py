@@ -31,6 +31,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
         leads: it decides, and keeps everything; of two, the one with the higher ``epoch`` does.
         epoch: how often the lead has changed, by the database, when it became the lead.
         leaving: it ends; nothing new is to go there.
+        opens: it has the database's lock, and is about to lead.
         losses: how often it has lost the bus: what was under way to it before is over.
         since_us: when it started (UTC, by its own clock).
         cpu: share of a core that it takes.
@@ -47,6 +48,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
     leads: bool = False
     epoch: int = 0
     leaving: bool = False
+    opens: bool = False
     losses: int = 0
     since_us: int = 0
     cpu: float = 0.0
@@ -106,6 +108,13 @@ class Peers:
 
     def find_lead(self, now_ns: int) -> HubNotice | None:
         """Give the hub that leads; None: none is heard that does."""
+        # That one has the lock; one that still says that it leads does not know it yet.
+        if any(
+            known.notice.opens and not known.notice.leaving
+            for known in self._known.values()
+            if now_ns - known.heard_ns <= SILENT_S * 1e9
+        ):
+            return None
         leading = [
             known.notice
             for known in self._known.values()
