@@ -206,12 +206,15 @@ class Hubs:
 
 
 @asynccontextmanager
-async def two_hubs(url: str, folder):
-    """Start two hubs, of which the first leads, with a person and a gateway's key."""
+async def two_hubs(url: str, folder, *more: str):
+    """Start two hubs, of which the first leads, with a person and a gateway's key.
+
+    ``more``: further words of both.
+    """
     async with Nats() as nats, Hubs(url, nats, folder) as hubs:
-        lead = await hubs.add("east")
+        lead = await hubs.add("east", *more)
         await lead.until_leads()
         await hubs.set_up(lead)
-        other = await hubs.add("west")
+        other = await hubs.add("west", *more)
         await other.until_ready()
         yield hubs, lead, other

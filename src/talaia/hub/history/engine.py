@@ -39,7 +39,7 @@ def open_engine(url: str, *, writes: bool, on_connect: OnConnect | None = None) 
     try:
         engine = create_engine(
             found.url,
-            connect_args=found.arguments,
+            connect_args={**found.arguments, **found.dialect.opening_bounds},
             pool_size=1 if writes else READERS,
             max_overflow=0,
             # Every use begins and ends its transaction itself; to end it again is a round trip.

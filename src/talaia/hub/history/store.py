@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     )
 
     from talaia.clock import Clock
+    from talaia.hub.history.connection_cut import ConnectionCut
     from talaia.hub.history.queries.channels import StoredChannel
     from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
     from talaia.hub.history.queries.outliers import Outliers
@@ -76,8 +77,11 @@ class HistoryStore:
         *,
         on_connect: OnConnect | None = None,
         term: WriteTerm | None = None,
+        cut: ConnectionCut | None = None,
     ) -> None:
         """Prepare for a SQLAlchemy URL; ``on_connect`` may refuse a connection, ``term`` writing.
+
+        ``cut`` ends all connections at once.
 
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
@@ -89,6 +93,9 @@ class HistoryStore:
         self._reading = open_engine(url, writes=False, on_connect=on_connect)
         if term is not None:
             term.guard_engine(self._writing)
+        if cut is not None:
+            cut.guard_engine(self._writing)
+            cut.guard_engine(self._reading)
         self._limits = limits
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)

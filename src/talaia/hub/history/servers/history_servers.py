@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.history.errors import HistoryAway, HistoryError
-from talaia.hub.history.servers.history_server import HistoryServer
+from talaia.hub.history.servers.history_server import STILL_S, HistoryServer
 from talaia.hub.history.servers.site_move import SiteMove
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
@@ -71,8 +71,11 @@ class HistoryServers:
         *,
         clock: Clock,
         limits: HistoryLimits,
+        still_s: float = STILL_S,
     ) -> None:
         """Have ``own``, the hub's own database, and those that are ``named``.
+
+        One that does not answer for ``still_s`` is away.
 
         Raises:
             HistoryError: a URL cannot be read, or its driver is not installed.
@@ -81,7 +84,7 @@ class HistoryServers:
         self._own = own
         self._homes = homes
         self._servers = {
-            name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes)
+            name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes, still_s=still_s)
             for name, url in named.servers.items()
         }
         # Which of them has which site.
@@ -119,18 +122,38 @@ class HistoryServers:
 
     async def run(self) -> None:
         """Open servers that come back, and move sites that are asked to move, until cancelled."""
-        while True:
-            await self.mend_servers()
-            await self.move_sites()
-            await asyncio.sleep(_LOOK_S)
+        async with asyncio.TaskGroup() as group:
+            # Each by itself: one that stands still holds up no other.
+            for server in self._servers.values():
+                group.create_task(self._keep_server(server), name=f"keep {server.name}")
+            group.create_task(self._keep_moving(), name="move sites")
 
     async def mend_servers(self) -> None:
         """Open servers that have come back, and describe to them what came meanwhile."""
-        await asyncio.gather(*(server.try_open() for server in self._servers.values()))
+        await asyncio.gather(*map(self._mend_server, self._servers.values()))
+        await self._describe_late(OWN)
+
+    async def _keep_server(self, server: HistoryServer) -> None:
+        while True:
+            await self._mend_server(server)
+            await asyncio.sleep(_LOOK_S)
+
+    async def _keep_moving(self) -> None:
+        while True:
+            await self.move_sites()
+            await self._describe_late(OWN)
+            await asyncio.sleep(_LOOK_S)
+
+    async def _mend_server(self, server: HistoryServer) -> None:
+        await server.check_pulse()
+        await server.try_open()
+        await self._describe_late(server.name)
+
+    async def _describe_late(self, server: str) -> None:
         for site in sorted(self._undescribed):
-            if self._is_there(site):
-                with contextlib.suppress(HistoryError):
-                    async with self.places.describing_turn(site):
+            if self.places.home_of.get(site, OWN) == server and self._is_there(site):
+                with contextlib.suppress(HistoryError, TimeoutError):
+                    async with self.places.describing_turn(site), asyncio.timeout(_PATIENCE_S):
                         await self.places.store_of(site).describe_site(self._described[site])
                     self._undescribed.discard(site)
 

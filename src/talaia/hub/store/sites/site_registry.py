@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import insert, select, update
 
@@ -14,7 +14,7 @@ from talaia.hub.store.tables import gateways, sites
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from sqlalchemy import ColumnElement, Row
+    from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.clock import Clock
@@ -118,10 +118,10 @@ class SiteRegistry:
 
     async def _good_rows(
         self, column: ColumnElement[str], values: Collection[str]
-    ) -> list[Row[tuple[int, str, str]]]:
+    ) -> list[Any]:
         asked, columns = list(values), (gateways.c.id, gateways.c.site, gateways.c.key_hash)
         query = select(*columns).where(gateways.c.revoked_us == 0)
-        found: list[Row[tuple[int, str, str]]] = []
+        found: list[Any] = []
         async with self._database.read() as connection:
             for first in range(0, len(asked), _AT_ONCE):
                 some = query.where(column.in_(asked[first : first + _AT_ONCE]))
