@@ -116,9 +116,7 @@ class SiteRegistry:
             found.setdefault(row.site, []).append((row.id, row.key_hash))
         return found
 
-    async def _good_rows(
-        self, column: ColumnElement[str], values: Collection[str]
-    ) -> list[Any]:
+    async def _good_rows(self, column: ColumnElement[str], values: Collection[str]) -> list[Any]:
         asked, columns = list(values), (gateways.c.id, gateways.c.site, gateways.c.key_hash)
         query = select(*columns).where(gateways.c.revoked_us == 0)
         found: list[Any] = []
