@@ -13,7 +13,7 @@ from talaia.wire.frames import Ack
 
 from .databases import empty_database
 from .several_hubs import sites_stored_in, two_hubs
-from .test_cluster_run import ROW_US, STEP, acknowledged, has_roles
+from .test_cluster_run import ROW_US, STEP, has_roles
 
 
 @pytest.fixture
@@ -86,8 +86,8 @@ class Sender:
             await gateway.samples(*rows, first=first)
             first += len(rows)
             async with asyncio.timeout(GIVES_UP_S):
-                await gateway.hear(Ack, lambda ack, past=first: ack.below >= past)
-            self.acked = max(self.acked, acknowledged(gateway))
+                told = await gateway.hear(Ack, lambda ack, past=first: ack.below >= past)
+            self.acked = max(self.acked, told.below)
 
 
 async def begin_move(folder, url: str, servers, server: str):

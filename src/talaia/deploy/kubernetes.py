@@ -46,6 +46,7 @@ def write_manifests(
     hubs: int,
     hosts: Iterable[str],
     version: str,
+    *,
     bucket: FilesChoice | None = None,
     history_servers: int = 0,
 ) -> dict[str, str]:

@@ -195,7 +195,11 @@ def _files_of_several(
     if choice.history_servers:
         secrets |= make_history_secrets(choice.history_servers, random)
     manifests = write_manifests(
-        choice.hubs, choice.hosts, choice.tag, choice.files, choice.history_servers
+        choice.hubs,
+        choice.hosts,
+        choice.tag,
+        bucket=choice.files,
+        history_servers=choice.history_servers,
     )
     return {
         "haproxy.cfg": File(write_balancer_config(hub_names(choice.hubs))),

@@ -196,7 +196,7 @@ def _history_text(choice: DeployOptions) -> str:
         f"{names[-1]} --data /data --history-servers /run/secrets/{HISTORY_FILE}"
     )
     return (
-        f"\n\nHistories are in databases of their own ({listed}; `secrets/{HISTORY_FILE}`), and all "
+        f"\n\nHistories are in databases of their own ({listed}; `secrets/{HISTORY_FILE}`), all "
         f"else in `database`. A new site's history is in `{names[0]}`; `{moving}` moves one while "
         "all goes on. Back up each with its own tools, all at the same time."
     )

@@ -88,7 +88,10 @@ def write_compose_of_several(
         "database": postgresql_service(["back"]),
         **{name: postgresql_service(["back"], name) for name in histories},
         "nats": _nats_service(),
-        **{name: _one_of_several(name, names, hosts, files, histories) for name in names},
+        **{
+            name: _one_of_several(name, names, hosts, files=files, histories=histories)
+            for name in names
+        },
         "haproxy": _haproxy_service(port, names),
         "enrol": enrol,
         "gateway": gateway_service(ros_domain, arch),
@@ -205,6 +208,7 @@ def _one_of_several(
     name: str,
     names: Sequence[str],
     hosts: Iterable[str],
+    *,
     files: FilesChoice | None,
     histories: Sequence[str],
 ) -> dict[str, object]:

@@ -81,21 +81,16 @@ class HistoryStore:
     ) -> None:
         """Prepare for a SQLAlchemy URL; ``on_connect`` may refuse a connection, ``term`` writing.
 
-        ``cut`` ends all connections at once.
-
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
 
         """
         limits, address = limits or HistoryLimits(), address_of(url)
         # One connection that writes, and a few that read at the same time.
-        self._writing = open_engine(url, writes=True, on_connect=on_connect)
-        self._reading = open_engine(url, writes=False, on_connect=on_connect)
+        self._writing = open_engine(url, writes=True, on_connect=on_connect, cut=cut)
+        self._reading = open_engine(url, writes=False, on_connect=on_connect, cut=cut)
         if term is not None:
             term.guard_engine(self._writing)
-        if cut is not None:
-            cut.guard_engine(self._writing)
-            cut.guard_engine(self._reading)
         self._limits = limits
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)

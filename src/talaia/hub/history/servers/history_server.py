@@ -183,8 +183,7 @@ class HistoryServer:
         return store
 
     async def _claim_term(self, term: WriteTerm, cut: ConnectionCut) -> None:
-        engine = open_engine(self._url, writes=True)
-        cut.guard_engine(engine)
+        engine = open_engine(self._url, writes=True, cut=cut)
         try:
             seen = await asyncio.to_thread(term.read_term, engine)
             # From the accounts' database, where only the hub that leads can write.

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.history.errors import HistoryAway, HistoryError
 from talaia.hub.history.servers.history_server import STILL_S, HistoryServer
+from talaia.hub.history.servers.late_descriptions import LateDescriptions
 from talaia.hub.history.servers.site_move import SiteMove
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
@@ -60,6 +61,7 @@ class HistoryServers:
 
     Attributes:
         places: where each site is.
+        descriptions: what is known of sites, and their servers are told.
 
     """
 
@@ -89,9 +91,7 @@ class HistoryServers:
         }
         # Which of them has which site.
         self.places = SitePlaces(own, self._servers, named, homes)
-        # The last description of each site, and of which the server was away when it came.
-        self._described: dict[str, Site] = {}
-        self._undescribed: set[str] = set()
+        self.descriptions = LateDescriptions(self.places)
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -131,7 +131,7 @@ class HistoryServers:
     async def mend_servers(self) -> None:
         """Open servers that have come back, and describe to them what came meanwhile."""
         await asyncio.gather(*map(self._mend_server, self._servers.values()))
-        await self._describe_late(OWN)
+        await self.descriptions.describe_late(OWN)
 
     async def _keep_server(self, server: HistoryServer) -> None:
         while True:
@@ -141,21 +141,13 @@ class HistoryServers:
     async def _keep_moving(self) -> None:
         while True:
             await self.move_sites()
-            await self._describe_late(OWN)
+            await self.descriptions.describe_late(OWN)
             await asyncio.sleep(_LOOK_S)
 
     async def _mend_server(self, server: HistoryServer) -> None:
         await server.check_pulse()
         await server.try_open()
-        await self._describe_late(server.name)
-
-    async def _describe_late(self, server: str) -> None:
-        for site in sorted(self._undescribed):
-            if self.places.home_of.get(site, OWN) == server and self._is_there(site):
-                with contextlib.suppress(HistoryError, TimeoutError):
-                    async with self.places.describing_turn(site), asyncio.timeout(_PATIENCE_S):
-                        await self.places.store_of(site).describe_site(self._described[site])
-                    self._undescribed.discard(site)
+        await self.descriptions.describe_late(server.name)
 
     async def move_sites(self) -> None:
         """Go on with each move that was asked for, once; what fails is tried again later."""
@@ -172,12 +164,6 @@ class HistoryServers:
 
     # ── of a move ──
 
-    async def describe_moved(self, site: str, store: HistoryStore) -> None:
-        """Describe a site to where it moves, as it was described last."""
-        described = self._described.get(site)
-        if described is not None:
-            await store.describe_site(described)
-
     def end_move(self, site: str) -> None:
         """Let what is too old be dropped again."""
         for store in self.places.open_stores():
@@ -187,21 +173,7 @@ class HistoryServers:
 
     async def describe_site(self, site: Site) -> None:
         """See `History.describe_site`; while its server is away, it is done later."""
-        self._described[site.site] = site
-        if self.places.is_held(site.site):
-            # A gateway that comes within a move is not kept waiting for it.
-            self._undescribed.add(site.site)
-            return
-        async with self.places.describing_turn(site.site):
-            home = await self.places.find_home(site.site)
-            if home == OWN:
-                await self._own.describe_site(site)
-                return
-            try:
-                async with asyncio.timeout(_PATIENCE_S):
-                    await self.places.store_named(home).describe_site(site)
-            except (HistoryError, TimeoutError):
-                self._undescribed.add(site.site)
+        await self.descriptions.describe_site(site)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """See `History.rename_channels`.
@@ -371,10 +343,6 @@ class HistoryServers:
         except (HistoryError, TimeoutError) as error:
             why = str(error) or "it stands still"
             raise HistoryAway(f"the server of the history of {site} is away: {why}") from error
-
-    def _is_there(self, site: str) -> bool:
-        store = self.places.opened_store(site)
-        return store is not None and not store.trouble
 
     def _hold_retention(self, home: HistoryHome) -> None:
         if home.moving_to:

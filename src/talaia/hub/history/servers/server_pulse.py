@@ -49,8 +49,7 @@ class ServerPulse:
 
     def _ask(self) -> None:
         if self._engine is None:
-            self._engine = open_engine(self._url, writes=True)
-            self._cut.guard_engine(self._engine)
+            self._engine = open_engine(self._url, writes=True, cut=self._cut)
         with self._engine.connect() as connection:
             connection.execute(select(1))
 

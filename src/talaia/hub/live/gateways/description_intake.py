@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.change_requests import ChangeRequestClient
     from talaia.hub.live.gateways.channel_maps import ChannelMaps
     from talaia.hub.live.gateways.ingest import Ingest
+    from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.gateways.robot_events import RobotEvents, RobotMessage
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
@@ -98,9 +99,15 @@ class DescriptionIntake:
         )
 
     async def handle_hello(
-        self, hello: frames.Hello, description: Site, source: str, gateway: int
+        self,
+        hello: frames.Hello,
+        description: Site,
+        source: str,
+        *,
+        gateway: int,
+        turns: JoinQueue,
     ) -> Mapping[str, str]:
-        """Take in what a gateway says of its site when it comes.
+        """Take in what a gateway says of its site when it comes; one that says the same waits not.
 
         Returns:
             What channels are called from now on, by their former addresses, where the history is
@@ -110,6 +117,15 @@ class DescriptionIntake:
             SQLAlchemyError, TalaiaError, OSError: not all of it is stored.
 
         """
+        # Turns are for what is stored.
+        if not self.has_news(hello, description.site, source):
+            return {}
+        async with turns.wait_turn():
+            return await self._store_hello(hello, description, source, gateway)
+
+    async def _store_hello(
+        self, hello: frames.Hello, description: Site, source: str, gateway: int
+    ) -> Mapping[str, str]:
         site = description.site
         live = self._sites.find_site(site)
         told = fingerprint_of(hello.description, hello.catalogue)

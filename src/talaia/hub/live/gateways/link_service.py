@@ -178,11 +178,9 @@ class LinkService:
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
-            later: Mapping[str, str] = {}
-            # Turns are for what is stored: whoever says the same as ever waits for nobody.
-            if self._describing.has_news(hello, site, source):
-                async with self._admission.wait_turn():
-                    later = await self._describing.handle_hello(hello, description, source, key.id)
+            later = await self._describing.handle_hello(
+                hello, description, source, gateway=key.id, turns=self._admission
+            )
             acked = await _first_missing(ingest, hello)
         except HubBusy as error:
             await link.send_farewell(str(error), TRY_LATER, self._admission.after_s)
@@ -199,9 +197,13 @@ class LinkService:
         if not await self._places.wait_place(link, key, hello, address):
             return
         gateway = LinkedGateway(
-            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts,
+            id=key.id,
+            boot=hello.boot,
+            fingerprint=told,
+            source=source,
+            accepts=hello.accepts,
             digest=digest_of(source or hello.description),
-        )  # fmt: skip
+        )
         self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
         link.send(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sqlalchemy import insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
-from talaia.hub.store.shared_lookup import SharedLookup
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
+from talaia.hub.store.sites.shared_lookup import SharedLookup
 from talaia.hub.store.tables import gateways, sites
 
 if TYPE_CHECKING:

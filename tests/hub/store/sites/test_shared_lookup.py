@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from talaia.hub.store.shared_lookup import SharedLookup
+from talaia.hub.store.sites.shared_lookup import SharedLookup
 
 
 class Keys:
