@@ -196,14 +196,8 @@ class LinkService:
         # awaited from the last look to `_attach_link`, so no other comes between.
         if not await self._places.wait_place(link, key, hello, address):
             return
-        gateway = LinkedGateway(
-            id=key.id,
-            boot=hello.boot,
-            fingerprint=told,
-            source=source,
-            accepts=hello.accepts,
-            digest=digest_of(source or hello.description),
-        )
+        gateway = LinkedGateway(key.id, hello.boot, told, source, accepts=hello.accepts)
+        gateway.digest = digest_of(source or hello.description)
         self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
         link.send(
