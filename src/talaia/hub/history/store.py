@@ -91,7 +91,7 @@ class HistoryStore:
         self._reading = open_engine(url, writes=False, on_connect=on_connect, cut=cut)
         if term is not None:
             term.guard_engine(self._writing)
-        self._limits = limits
+        self._limits, self._clock = limits, clock
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)
         # Keep SQLite's journal short.
@@ -105,7 +105,6 @@ class HistoryStore:
         self._long_reads = LongReads(
             address=address, engine=self._reading, ledger=ledger, reader=self._reader, limits=limits
         )
-        self._clock = clock
         # How long each channel is kept.
         self._periods = RetentionPeriods()
         self._tidier = Tidier(
@@ -198,10 +197,9 @@ class HistoryStore:
             HistoryError: the channels' numbers are not stored.
 
         """
+        channels = [channel.address for channel in site.channels()]
         self._periods.describe_site(site)
-        await self._writer.complete_job(
-            Describe(site.site, [one.address for one in site.channels()])
-        )
+        await self._writer.complete_job(Describe(site.site, channels))
         await self._sensors.describe_site(site, self._ledger.names.channels)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
