@@ -23,6 +23,7 @@ from talaia.deploy.project import DeployOptions, File, make_deployment
 from talaia.deploy.systemd import gateway_unit, hub_unit, quoted_argument
 from talaia.hub.command_line import _make_parser
 from talaia.hub.files.bucket_address import BucketKey, read_bucket_address
+from talaia.hub.history.servers.server_file import read_history_servers
 from talaia.hub.settings import Settings
 from talaia.model.yaml_text.load import load_site, read_site
 
@@ -85,6 +86,11 @@ def bucket(tmp_path_factory) -> list[str]:
     return [*words, "--files-key-file", str(key), "--files-ca", str(authority)]
 
 
+def name_of(manifest: dict) -> str:
+    # Kustomize's own file has none.
+    return manifest.get("metadata", {}).get("name", "")
+
+
 def manifests_of(folder: Path) -> list[dict]:
     return [
         manifest
@@ -93,11 +99,11 @@ def manifests_of(folder: Path) -> list[dict]:
     ]
 
 
-@pytest.mark.parametrize("with_bucket", [False, True])
+@pytest.mark.parametrize("more", [False, True])
 def test_compose_haproxy_nats_and_kustomize_accept_the_files_of_several_hubs(
-    tmp_path: Path, bucket: list[str], *, with_bucket: bool
+    tmp_path: Path, bucket: list[str], *, more: bool
 ) -> None:
-    several_hubs(tmp_path, *(bucket if with_bucket else ()))
+    several_hubs(tmp_path, *([*bucket, "--history-servers", "2"] if more else ()))
     compose, haproxy = shutil.which("docker-compose"), shutil.which("haproxy", path=SYSTEM_PATH)
     nats, kubectl = shutil.which("nats-server", path=SYSTEM_PATH), shutil.which("kubectl")
     # Names of containers are none here, and neither is the folder of their secrets.
@@ -146,6 +152,48 @@ def test_several_hubs_are_bounded_share_one_folder_and_have_no_port_but_the_bala
     assert "GET /api/ready" in balancer
     assert not re.search(r"(?m)^ *(stick|cookie|bind .* ssl)", balancer)
     assert "\nnats-py==" in (tmp_path / "locks/hub.txt").read_text()
+
+
+def test_histories_have_databases_of_their_own_that_each_hub_is_told_of(tmp_path: Path) -> None:
+    words = ["--history-servers", "2"]
+    manifests = manifests_of(several_hubs(tmp_path, *words))
+    secrets = tmp_path / "secrets"
+    project = yaml.safe_load((tmp_path / "compose.yaml").read_text())
+    hub = next(each for each in manifests if each["kind"] == "Deployment")
+    args = hub["spec"]["template"]["spec"]["containers"][0]["args"]
+    for said, file in (
+        *((project["services"][f"hub-{n}"]["command"], "history_servers.yaml") for n in (1, 2, 3)),
+        (args, "kubernetes_history_servers.yaml"),
+    ):
+        options = _make_parser().parse_args([str(word) for word in said[1:]])
+        assert options.history_servers == Path("/run/secrets/history_servers.yaml")
+        # As a hub reads it.
+        here = tmp_path / "servers.yaml"
+        here.write_text((secrets / file).read_text().replace("/run/secrets", str(secrets)))
+        named = read_history_servers(here)
+        assert named.default == "history-1"
+        assert list(named.servers) == ["history-1", "history-2"]
+        for name, url in named.servers.items():
+            password = (secrets / f"{name}_password").read_text()
+            assert url.startswith(f"postgresql://talaia:{password}@{name}/talaia")
+            assert ("sslmode=verify-full" in url) == file.startswith("kubernetes")
+    passwords = {(secrets / f"history-{n}_password").read_text() for n in (1, 2)}
+    assert len(passwords | {(secrets / "database_password").read_text()}) == 3
+    for name in ("history-1", "history-2"):
+        service = project["services"][name]
+        assert service["secrets"] == [f"{name}_password"]
+        assert service["volumes"] == [f"{name}:/var/lib/postgresql/data"]
+        assert service["networks"] == ["back"]
+        found = {each["kind"] for each in manifests if name_of(each) == name}
+        assert found == {"Service", "StatefulSet", "NetworkPolicy"}
+    readme = (tmp_path / "README.md").read_text()
+    assert "--from-file=history_servers.yaml=secrets/kubernetes_history_servers.yaml" in readme
+    # Written anew, the databases' passwords stay; another number would make some of them anew.
+    several_hubs(tmp_path, *words, "--force")
+    assert {(secrets / f"history-{n}_password").read_text() for n in (1, 2)} == passwords
+    site = ["generate", str(EXAMPLE), "--to", str(tmp_path), "--hubs", "3", "--force"]
+    assert main([*site, "--history-servers", "3"]) == 2
+    assert not (secrets / "history-3_password").exists()
 
 
 def test_hubs_keep_their_files_in_a_bucket_whose_key_is_a_secret(
@@ -251,6 +299,8 @@ def test_pods_are_bounded_probed_and_get_their_secrets_by_name(tmp_path: Path) -
         (["--hubs", "100"], "--hubs: expected 2 to 9, found 100"),
         (["--hubs", "3", "--database", "sqlite"], "with PostgreSQL, not sqlite"),
         (["--hubs", "3", "--database", "mariadb"], "with PostgreSQL, not mariadb"),
+        (["--history-servers", "2"], "they are written for several hubs; add --hubs 3"),
+        (["--hubs", "3", "--history-servers", "0"], "--history-servers: expected 1 to 9, found 0"),
         (["--files", "s3://robots"], "a bucket is written for several hubs; add --hubs 3"),
         (["--hubs", "3", "--files", "s3://robots"], "--files needs --files-key-file"),
         (

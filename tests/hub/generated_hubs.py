@@ -42,9 +42,10 @@ def any_certificate() -> ssl.SSLContext:
 class GeneratedHubs:
     """Hubs, NATS and HAProxy of a generated folder."""
 
-    def __init__(self, folder: Path, description: Path, url: str) -> None:
+    def __init__(self, folder: Path, description: Path, url: str, history_url: str) -> None:
         self.folder = folder / "deployment"
         words = ["generate", str(description), "--to", str(self.folder), "--hubs", "3"]
+        words += ["--history-servers", "1"]
         assert main([*words, "--allow-host", "hub.example"]) == 0
         compose = yaml.safe_load((self.folder / "compose.yaml").read_text())
         self.services = compose["services"]
@@ -60,6 +61,8 @@ class GeneratedHubs:
         self._reading = []
         self._stack = AsyncExitStack()
         self._rewrite("secrets/database_url", ("", url))
+        history = self.folder / "secrets/history_servers.yaml"
+        history.write_text(re.sub(r'"postgresql://[^"]*"', f'"{history_url}"', history.read_text()))
         self._rewrite("secrets/cluster_url", ("@nats:4222", f"@localhost:{self.ports['nats']}"))
 
     async def __aenter__(self) -> GeneratedHubs:

@@ -10,6 +10,7 @@ import signal
 from contextlib import AsyncExitStack, asynccontextmanager
 
 import httpx
+import sqlalchemy as sa
 import websockets
 from async_program import start_program
 from patience import PATIENCE_S, until_answered
@@ -18,6 +19,8 @@ from server_programs import server_or_skip
 from shared_trust import usual_trust
 
 from talaia.hub.auth.key_file import read_or_make_key
+from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.history_tables import channel
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
 
@@ -206,12 +209,25 @@ class Hubs:
 
 
 @asynccontextmanager
-async def two_hubs(url: str, folder):
-    """Start two hubs, of which the first leads, with a person and a gateway's key."""
+async def two_hubs(url: str, folder, *more: str):
+    """Start two hubs, of which the first leads, with a person and a gateway's key.
+
+    ``more``: further words of both.
+    """
     async with Nats() as nats, Hubs(url, nats, folder) as hubs:
-        lead = await hubs.add("east")
+        lead = await hubs.add("east", *more)
         await lead.until_leads()
         await hubs.set_up(lead)
-        other = await hubs.add("west")
+        other = await hubs.add("west", *more)
         await other.until_ready()
         yield hubs, lead, other
+
+
+def sites_stored_in(url: str) -> list[str]:
+    """Name the sites of which a server has something."""
+    engine = sa.create_engine(parse_database_url(url, blocking=True).url)
+    try:
+        with engine.connect() as connection:
+            return sorted(set(connection.scalars(sa.select(channel.c.site))))
+    finally:
+        engine.dispose()

@@ -15,8 +15,9 @@ from patience import until_answered
 from talaia.wire.browser import RequestError, Subscribe, Values
 from talaia.wire.columns import unpack_columns
 
-from .databases import database_with_tables
+from .databases import database_with_tables, empty_database
 from .generated_hubs import GeneratedHubs
+from .several_hubs import sites_stored_in
 
 # Each poll gives the next number: one that is lost, or stored twice, is seen.
 SITE = """
@@ -37,6 +38,12 @@ COUNT = 'n=$(($(cat "{file}" 2>/dev/null || echo 0) + 1)); echo $n > "{file}"; e
 @pytest.fixture
 def url(tmp_path):
     with database_with_tables("postgresql", tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def history_url():
+    with empty_database("postgresql") as made:
         yield made
 
 
@@ -112,12 +119,12 @@ def report_dark(viewer: Viewer) -> None:
 
 @pytest.mark.timeout(400)
 async def test_whoever_comes_through_haproxy_is_back_after_a_hub_died_and_one_was_replaced(
-    tmp_path, url, monkeypatch
+    tmp_path, url, history_url, monkeypatch
 ) -> None:
     (tmp_path / "count.sh").write_text(COUNT.format(file=tmp_path / "count"))
     site = tmp_path / "agv.yaml"
     site.write_text(SITE.format(script=tmp_path / "count.sh"))
-    async with GeneratedHubs(tmp_path, site, url) as hubs:
+    async with GeneratedHubs(tmp_path, site, url, history_url) as hubs:
         await hubs.set_up()
         key = await hubs.enrol(monkeypatch)
         gateway = await start_program(
@@ -142,4 +149,7 @@ async def test_whoever_comes_through_haproxy_is_back_after_a_hub_died_and_one_wa
         assert numbers == [float(number + 1) for number in range(len(numbers))]
         assert len(numbers) >= killed_at + 5
         report_dark(viewer)
+        # In the database that is histories' own.
+        assert sites_stored_in(history_url) == ["agv"]
+        assert sites_stored_in(url) == []
         assert (await hubs.get("/api/audit/verify")).json()["ok"]

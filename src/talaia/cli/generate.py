@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from talaia.cli.errors import CliError
 from talaia.deploy.options import (
     FEWEST_HUBS,
+    MOST_HISTORY_SERVERS,
     MOST_HUBS,
     ROS_DISTROS,
     DatabaseKind,
@@ -73,6 +74,7 @@ def main(argv: Sequence[str]) -> int:
         arch=options.arch,
         hubs=options.hubs or 1,
         files=_choose_files(options),
+        history_servers=_choose_histories(options),
     )
     password = _kept_password(options.to, choice) if options.force else ""
     # The text as it is, with its comments: the copy is what a person goes on to edit.
@@ -107,6 +109,19 @@ def _choose_database(options: argparse.Namespace) -> DatabaseKind:
     return DatabaseKind.POSTGRESQL
 
 
+def _choose_histories(options: argparse.Namespace) -> int:
+    if options.history_servers is None:
+        return 0
+    if options.hubs is None:
+        raise CliError("--history-servers: they are written for several hubs; add --hubs 3")
+    if not 1 <= options.history_servers <= MOST_HISTORY_SERVERS:
+        raise CliError(
+            f"--history-servers: expected 1 to {MOST_HISTORY_SERVERS},"
+            f" found {options.history_servers}"
+        )
+    return int(options.history_servers)
+
+
 def _choose_files(options: argparse.Namespace) -> FilesChoice | None:
     if not options.files:
         return None
@@ -135,6 +150,7 @@ def _kept_password(folder: Path, choice: DeployOptions) -> str:
         CliError: what is kept there does not fit what is to be written.
 
     """
+    from talaia.deploy.history_databases import history_secret_names
     from talaia.deploy.project import BUS_SECRETS
 
     try:
@@ -150,13 +166,20 @@ def _kept_password(folder: Path, choice: DeployOptions) -> str:
             f"{folder} was made for {url.partition(':')[0]}, and its secrets are kept; choose "
             f"another folder for {kind}, and move what is stored there"
         )
-    there = [name for name in BUS_SECRETS if (folder / name).exists()]
-    if choice.hubs > 1 and there and len(there) < len(BUS_SECRETS):
-        lacking = next(name for name in BUS_SECRETS if name not in there)
-        raise CliError(
-            f"{folder} has {there[0]} and no {lacking}, which were made together; remove "
-            f"{', '.join(there)}"
-        )
+    histories = [f"secrets/{name}" for name in history_secret_names(choice.history_servers)]
+    for together in (BUS_SECRETS, histories):
+        there = [name for name in together if (folder / name).exists()]
+        if choice.hubs > 1 and there and len(there) < len(together):
+            lacking = next(name for name in together if name not in there)
+            # A password that a database knows must not be made anew.
+            remedy = (
+                f"remove {', '.join(there)}"
+                if together is BUS_SECRETS
+                else "name as many history servers as before, or another folder"
+            )
+            raise CliError(
+                f"{folder} has {there[0]} and no {lacking}, which were made together; {remedy}"
+            )
     return password
 
 
@@ -236,6 +259,13 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         metavar="N",
         help=f"{FEWEST_HUBS} to {MOST_HUBS} hubs as one, of which each takes over from another: "
         "behind HAProxy, on NATS and PostgreSQL, as a compose project and for Kubernetes (one hub)",
+    )
+    parser.add_argument(
+        "--history-servers",
+        type=int,
+        metavar="N",
+        help="so many databases of PostgreSQL for histories alone, beside that of accounts; "
+        "with --hubs (none: all is in one)",
     )
     add_files_options(parser)
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")

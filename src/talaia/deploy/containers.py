@@ -341,8 +341,8 @@ def _phpmyadmin_service() -> dict[str, object]:
     )
 
 
-def postgresql_service(networks: Sequence[str] = ()) -> dict[str, object]:
-    """Write the database, where it is PostgreSQL."""
+def postgresql_service(networks: Sequence[str] = (), name: str = "database") -> dict[str, object]:
+    """Write a database of PostgreSQL: its volume is ``name``, its password in a file of it."""
     return base_service(
         {
             "image": IMAGES["postgresql"],
@@ -350,10 +350,10 @@ def postgresql_service(networks: Sequence[str] = ()) -> dict[str, object]:
             "environment": {
                 "POSTGRES_DB": "talaia",
                 "POSTGRES_USER": "talaia",
-                "POSTGRES_PASSWORD_FILE": "/run/secrets/database_password",
+                "POSTGRES_PASSWORD_FILE": f"/run/secrets/{name}_password",
             },
-            "secrets": ["database_password"],
-            "volumes": ["database:/var/lib/postgresql/data"],
+            "secrets": [f"{name}_password"],
+            "volumes": [f"{name}:/var/lib/postgresql/data"],
             "healthcheck": {
                 "test": ["CMD", "pg_isready", "-U", "talaia", "-d", "talaia"],
                 "interval": "5s",

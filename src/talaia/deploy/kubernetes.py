@@ -13,10 +13,16 @@ from typing import TYPE_CHECKING
 import yaml
 
 from talaia.deploy.containers import DATABASE_USER, IMAGES, USER, hub_words
-from talaia.deploy.several_hubs import CLUSTER_IMAGES, NATS_PORT, SECRET_FOLDER
+from talaia.deploy.several_hubs import (
+    CLUSTER_IMAGES,
+    HISTORY_FILE,
+    NATS_PORT,
+    SECRET_FOLDER,
+    history_names,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from talaia.deploy.options import FilesChoice
 
@@ -37,7 +43,12 @@ Manifest = dict[str, object]
 
 
 def write_manifests(
-    hubs: int, hosts: Iterable[str], version: str, bucket: FilesChoice | None = None
+    hubs: int,
+    hosts: Iterable[str],
+    version: str,
+    *,
+    bucket: FilesChoice | None = None,
+    history_servers: int = 0,
 ) -> dict[str, str]:
     """Write the manifests, by the name of their file.
 
@@ -46,14 +57,17 @@ def write_manifests(
         hosts: names under which the dashboard is reached.
         version: of Talaia, by which the hubs' image is tagged.
         bucket: where hubs keep recordings and pictures; none: the claim that they share.
+        history_servers: how many databases of their own histories have.
 
     """
+    histories = history_names(history_servers)
     files: dict[str, list[Manifest]] = {
         "namespace.yaml": [_namespace()],
-        "database.yaml": _database(),
+        "database.yaml": _database("database"),
+        **{f"{name}.yaml": _database(name) for name in histories},
         "nats.yaml": _nats(),
-        "hubs.yaml": _hubs(hubs, hosts, bucket),
-        "network.yaml": _network_policies(),
+        "hubs.yaml": _hubs(hubs, _hub_pod(hosts, bucket, histories)),
+        "network.yaml": _network_policies(["database", *histories]),
     }
     kustomization: Manifest = {
         "apiVersion": "kustomize.config.k8s.io/v1beta1",
@@ -195,7 +209,7 @@ def _claim(name: str, mode: str, size: str) -> Manifest:
 # ── hubs ──
 
 
-def _hubs(hubs: int, hosts: Iterable[str], bucket: FilesChoice | None) -> list[Manifest]:
+def _hubs(hubs: int, pod: Mapping[str, object]) -> list[Manifest]:
     # Connections to a pod that ends are handed on by the service, which keeps the asker's address.
     outside = {"type": "LoadBalancer", "externalTrafficPolicy": "Local", "sessionAffinity": "None"}
     ports: list[Manifest] = [{"name": "https", "port": 443, "targetPort": "https"}]
@@ -209,7 +223,7 @@ def _hubs(hubs: int, hosts: Iterable[str], bucket: FilesChoice | None) -> list[M
             "rollingUpdate": {"maxSurge": 1, "maxUnavailable": 0},
         },
         "minReadySeconds": 5,
-        "template": _template("hub", _hub_pod(hosts, bucket)),
+        "template": _template("hub", pod),
     }
     return [
         # One for all hubs: keys, certificate, imports and what is on its way lie there; recordings
@@ -221,12 +235,16 @@ def _hubs(hubs: int, hosts: Iterable[str], bucket: FilesChoice | None) -> list[M
     ]
 
 
-def _hub_pod(hosts: Iterable[str], bucket: FilesChoice | None) -> dict[str, object]:
+def _hub_pod(
+    hosts: Iterable[str], bucket: FilesChoice | None, histories: Sequence[str]
+) -> dict[str, object]:
     words = hub_words(hosts, _DATA)
     words += ["--cluster-file", f"{SECRET_FOLDER}/cluster_url"]
     words += ["--cluster-ca", f"{SECRET_FOLDER}/internal_ca.pem"]
     if bucket is not None:
         words += bucket.hub_words(SECRET_FOLDER)
+    if histories:
+        words += ["--history-servers", f"{SECRET_FOLDER}/{HISTORY_FILE}"]
     environment: list[Manifest] = [
         {"name": "TALAIA_DATABASE_URL_FILE", "value": f"{SECRET_FOLDER}/database_url"},
         {
@@ -333,27 +351,28 @@ def _nats() -> list[Manifest]:
     ]
 
 
-def _database() -> list[Manifest]:
+def _database(name: str) -> list[Manifest]:
+    """Write a PostgreSQL; the files of its secret begin with its name."""
     folder = "/var/lib/postgresql/data"
     probe = {"exec": {"command": ["pg_isready", "-U", "talaia", "-d", "talaia"]}}
     environment = {
         "POSTGRES_DB": "talaia",
         "POSTGRES_USER": "talaia",
-        "POSTGRES_PASSWORD_FILE": f"{SECRET_FOLDER}/database_password",
+        "POSTGRES_PASSWORD_FILE": f"{SECRET_FOLDER}/{name}_password",
         # A volume's root may hold more than the database.
         "PGDATA": f"{folder}/pgdata",
     }
     tls = {
         "ssl": "on",
-        "ssl_cert_file": f"{SECRET_FOLDER}/database_cert.pem",
-        "ssl_key_file": f"{SECRET_FOLDER}/database_key.pem",
+        "ssl_cert_file": f"{SECRET_FOLDER}/{name}_cert.pem",
+        "ssl_key_file": f"{SECRET_FOLDER}/{name}_key.pem",
     }
     container = _container(
         "postgresql",
         IMAGES["postgresql"],
         {
-            "args": [word for name, value in tls.items() for word in ("-c", f"{name}={value}")],
-            "env": [{"name": name, "value": value} for name, value in environment.items()],
+            "args": [word for option, value in tls.items() for word in ("-c", f"{option}={value}")],
+            "env": [{"name": key, "value": value} for key, value in environment.items()],
             "ports": [{"name": "postgresql", "containerPort": _DATABASE_PORT}],
             "startupProbe": {**probe, "periodSeconds": 2, "failureThreshold": 60},
             "readinessProbe": {**probe, "periodSeconds": 5, "timeoutSeconds": 5},
@@ -379,7 +398,7 @@ def _database() -> list[Manifest]:
             "terminationGracePeriodSeconds": 60,
             "containers": [container],
             "volumes": [
-                _secret_volume("talaia-database"),
+                _secret_volume(f"talaia-{name}"),
                 _memory_volume("run", "16Mi"),
                 _memory_volume("tmp", "64Mi"),
             ],
@@ -387,27 +406,30 @@ def _database() -> list[Manifest]:
     )
     stateful = {
         "replicas": 1,
-        "serviceName": "database",
-        "selector": {"matchLabels": _labels("database")},
-        "template": _template("database", pod),
+        "serviceName": name,
+        "selector": {"matchLabels": _labels(name)},
+        "template": _template(name, pod),
         "volumeClaimTemplates": [_claim("data", "ReadWriteOnce", "50Gi")],
     }
     ports: list[Manifest] = [
         {"name": "postgresql", "port": _DATABASE_PORT, "targetPort": "postgresql"}
     ]
     return [
-        _service("database", ports, {}),
-        _manifest("StatefulSet", "database", stateful, "apps/v1"),
+        _service(name, ports, {}),
+        _manifest("StatefulSet", name, stateful, "apps/v1"),
     ]
 
 
-def _network_policies() -> list[Manifest]:
+def _network_policies(databases: Iterable[str]) -> list[Manifest]:
     """Let nobody in but to the hubs, and to what is behind them only the hubs."""
     hubs = [{"podSelector": {"matchLabels": _labels("hub")}}]
     policies = [
         _policy("hub", {"ports": [{"port": _HUB_PORT, "protocol": "TCP"}]}),
         _policy("nats", {"from": hubs, "ports": [{"port": NATS_PORT, "protocol": "TCP"}]}),
-        _policy("database", {"from": hubs, "ports": [{"port": _DATABASE_PORT, "protocol": "TCP"}]}),
+        *(
+            _policy(name, {"from": hubs, "ports": [{"port": _DATABASE_PORT, "protocol": "TCP"}]})
+            for name in databases
+        ),
     ]
     shut = {"podSelector": {}, "policyTypes": ["Ingress"]}
     return [_manifest("NetworkPolicy", "shut", shut, "networking.k8s.io/v1"), *policies]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 __all__ = [
     "FEWEST_HUBS",
+    "MOST_HISTORY_SERVERS",
     "MOST_HUBS",
     "ROS_DISTROS",
     "DatabaseKind",
@@ -17,6 +18,7 @@ __all__ = [
 # Those that are kept up, oldest first; each has images for amd64 and arm64.
 ROS_DISTROS = ("humble", "jazzy", "kilted", "rolling")
 FEWEST_HUBS, MOST_HUBS = 2, 9
+MOST_HISTORY_SERVERS = 9
 
 
 class DatabaseKind(StrEnum):
@@ -77,6 +79,7 @@ class DeployOptions(NamedTuple):
         arch: of the gateway's machine as Docker calls it (``arm64``); empty is the builder's own.
         hubs: how many; more than one are one on PostgreSQL.
         files: bucket in which several hubs keep recordings and pictures; none: a shared folder.
+        history_servers: databases of their own for histories of sites.
 
     """
 
@@ -90,6 +93,7 @@ class DeployOptions(NamedTuple):
     arch: str = ""
     hubs: int = 1
     files: FilesChoice | None = None
+    history_servers: int = 0
 
     @property
     def tag(self) -> str:

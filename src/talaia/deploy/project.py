@@ -11,6 +11,7 @@ from talaia.deploy.containers import (
     write_compose_file,
     write_dockerfile,
 )
+from talaia.deploy.history_databases import make_history_secrets
 from talaia.deploy.kubernetes import write_manifests
 from talaia.deploy.locks import BUILD, UV, write_lock
 from talaia.deploy.options import DatabaseKind, DeployOptions
@@ -142,7 +143,7 @@ def make_deployment(
         # The hub's user in its container reads it, and only that container has it.
         files["secrets/database_url"] = File(url, 0o644)
     if choice.hubs > 1:
-        files |= _files_of_several(choice, password, random())
+        files |= _files_of_several(choice, password, random)
     return files
 
 
@@ -157,6 +158,7 @@ def _compose_file(site: Site, choice: DeployOptions) -> str:
             ros_domain=domain,
             arch=choice.arch,
             files=choice.files,
+            history_servers=choice.history_servers,
         )
     return write_compose_file(
         site.site,
@@ -168,11 +170,14 @@ def _compose_file(site: Site, choice: DeployOptions) -> str:
     )
 
 
-def _files_of_several(choice: DeployOptions, password: str, bus_password: str) -> dict[str, File]:
+def _files_of_several(
+    choice: DeployOptions, password: str, random: Callable[[], str]
+) -> dict[str, File]:
     """Write what several hubs need besides: HAProxy, NATS, certificates and manifests."""
     # Only here: what a single hub's folder is made by needs no library of cryptography.
     from talaia.deploy.internal_tls import make_server_pairs
 
+    bus_password = random()
     authority, pairs = make_server_pairs(("nats", "database"), dt.datetime.now(dt.UTC))
     checked = f"sslmode=verify-full&sslrootcert={SECRET_FOLDER}/internal_ca.pem"
     # As the others: read by another user in its container, and here nobody enters their folder.
@@ -187,7 +192,15 @@ def _files_of_several(choice: DeployOptions, password: str, bus_password: str) -
     }
     if choice.files is not None:
         secrets |= choice.files.secrets
-    manifests = write_manifests(choice.hubs, choice.hosts, choice.tag, choice.files)
+    if choice.history_servers:
+        secrets |= make_history_secrets(choice.history_servers, random)
+    manifests = write_manifests(
+        choice.hubs,
+        choice.hosts,
+        choice.tag,
+        bucket=choice.files,
+        history_servers=choice.history_servers,
+    )
     return {
         "haproxy.cfg": File(write_balancer_config(hub_names(choice.hubs))),
         **{f"secrets/{name}": File(text, 0o644) for name, text in secrets.items()},

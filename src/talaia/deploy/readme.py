@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.deploy.containers import TABLES_PORT
 from talaia.deploy.options import DatabaseKind
-from talaia.deploy.several_hubs import hub_names
+from talaia.deploy.several_hubs import HISTORY_FILE, history_names, hub_names
 
 if TYPE_CHECKING:
     from talaia.deploy.options import DeployOptions
@@ -134,12 +134,15 @@ def _several_text(choice: DeployOptions) -> str:
         bucket_secrets = "".join(
             f" \\\n  --from-file=secrets/{name}" for name in sorted(bucket.secrets)
         )
+    kept_text = bucket_text + _history_text(choice)
+    database_pods = _history_pods(choice, create)
+    hub_secrets = bucket_secrets + _history_secrets(choice)
     return f"""
 ### Several hubs
 
 {choice.hubs} hubs (`{names[0]}` to `{names[-1]}`) are one: one of them leads, the others hand \
 through and take over. HAProxy (`haproxy.cfg`) lets TLS pass through to any that is ready. All \
-have the volume `hub-data`, where `seal.key`, the certificate, {kept} are.{bucket_text} \
+have the volume `hub-data`, where `seal.key`, the certificate, {kept} are.{kept_text} \
 On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
 Kubernetes (below), or several machines by hand (`talaia docs scale`).
 
@@ -164,11 +167,11 @@ docker build -f hub.Dockerfile -t registry.example/talaia-hub:{choice.tag} .
 docker push registry.example/talaia-hub:{choice.tag}
 kubectl apply -f kubernetes/namespace.yaml
 {create} talaia-hub --from-file=database_url=secrets/kubernetes_database_url \\
-  --from-file=secrets/cluster_url --from-file=secrets/internal_ca.pem{bucket_secrets}
+  --from-file=secrets/cluster_url --from-file=secrets/internal_ca.pem{hub_secrets}
 {create} talaia-nats --from-file=secrets/nats.conf \\
   --from-file=secrets/nats_cert.pem --from-file=secrets/nats_key.pem
 {create} talaia-database --from-file=secrets/database_password \\
-  --from-file=secrets/database_cert.pem --from-file=secrets/database_key.pem
+  --from-file=secrets/database_cert.pem --from-file=secrets/database_key.pem{database_pods}
 kubectl apply -k kubernetes
 # Shows the link with which the first admin is made.
 kubectl -n talaia logs --prefix --selector app.kubernetes.io/name=hub
@@ -180,3 +183,37 @@ disk: for one that outlives its machine, put the URL of yours into the secret `t
 take `database.yaml` out of `kustomization.yaml`. Gateways are not in the cluster but with their \
 robots: enrol each with a code from the page Gateways.
 """
+
+
+def _history_text(choice: DeployOptions) -> str:
+    """Say where histories are, where they have databases of their own."""
+    names = history_names(choice.history_servers)
+    if not names:
+        return ""
+    listed = ", ".join(f"`{name}`" for name in names)
+    moving = (
+        f"docker compose exec {hub_names(choice.hubs)[0]} talaia history move SITE --to "
+        f"{names[-1]} --data /data --history-servers /run/secrets/{HISTORY_FILE}"
+    )
+    return (
+        f"\n\nHistories are in databases of their own ({listed}; `secrets/{HISTORY_FILE}`), all "
+        f"else in `database`. A new site's history is in `{names[0]}`; `{moving}` moves one while "
+        "all goes on. Back up each with its own tools, all at the same time."
+    )
+
+
+def _history_secrets(choice: DeployOptions) -> str:
+    if not choice.history_servers:
+        return ""
+    return (
+        f" \\\n  --from-file={HISTORY_FILE}=secrets/kubernetes_{HISTORY_FILE}"
+        " \\\n  --from-file=secrets/history_ca.pem"
+    )
+
+
+def _history_pods(choice: DeployOptions, create: str) -> str:
+    return "".join(
+        f"\n{create} talaia-{name} --from-file=secrets/{name}_password \\\n"
+        f"  --from-file=secrets/{name}_cert.pem --from-file=secrets/{name}_key.pem"
+        for name in history_names(choice.history_servers)
+    )

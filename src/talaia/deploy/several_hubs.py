@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CLUSTER_IMAGES",
+    "HISTORY_FILE",
     "NATS_PORT",
     "SECRET_FOLDER",
+    "history_names",
     "hub_names",
     "write_balancer_config",
     "write_bus_config",
@@ -33,6 +35,8 @@ CLUSTER_IMAGES = {"nats": "nats:2.11-alpine", "haproxy": "haproxy:3.0-alpine"}
 # Where containers read their secrets, in compose and in Kubernetes.
 SECRET_FOLDER = "/run/secrets"  # noqa: S105 - a folder
 NATS_PORT = 4222
+# Which databases have histories, with their passwords.
+HISTORY_FILE = "history_servers.yaml"
 # Numbers, as for the databases: HAProxy's own user in its image, and nobody.
 _HAPROXY_USER, _NATS_USER = "99:99", "65534:65534"
 # HAProxy's own word whether any hub is ready, and NATS's; each in its own container alone.
@@ -47,6 +51,11 @@ def hub_names(hubs: int) -> list[str]:
     return [f"hub-{number}" for number in range(1, hubs + 1)]
 
 
+def history_names(count: int) -> list[str]:
+    """Name the databases of histories, which are services of these names."""
+    return [f"history-{number}" for number in range(1, count + 1)]
+
+
 def write_compose_of_several(
     site: str,
     *,
@@ -56,6 +65,7 @@ def write_compose_of_several(
     ros_domain: int | None,
     arch: str = "",
     files: FilesChoice | None = None,
+    history_servers: int = 0,
 ) -> str:
     """Write ``compose.yaml`` for several hubs; see `write_compose_file` for the rest.
 
@@ -67,15 +77,21 @@ def write_compose_of_several(
         ros_domain: the ROS domain; none leaves it to the description.
         arch: of the gateway's machine, ``arm64``; empty is the builder's own.
         files: bucket in which hubs keep recordings and pictures; none: the volume that they share.
+        history_servers: how many databases of their own histories have.
 
     """
+    histories = history_names(history_servers)
     names, hosts = hub_names(hubs), tuple(hosts)
     enrol = enrol_service(site, port, names[0])
     enrol |= {"networks": ["back"], **_database_access()}
     services: dict[str, object] = {
         "database": postgresql_service(["back"]),
+        **{name: postgresql_service(["back"], name) for name in histories},
         "nats": _nats_service(),
-        **{name: _one_of_several(name, names, hosts, files) for name in names},
+        **{
+            name: _one_of_several(name, names, hosts, files=files, histories=histories)
+            for name in names
+        },
         "haproxy": _haproxy_service(port, names),
         "enrol": enrol,
         "gateway": gateway_service(ros_domain, arch),
@@ -84,13 +100,17 @@ def write_compose_of_several(
         *("database_password", "database_url", "cluster_url", "internal_ca.pem"),
         *("nats.conf", "nats_cert.pem", "nats_key.pem"),
         *(files.secrets if files is not None else ()),
+        *([HISTORY_FILE] if histories else ()),
+        *(f"{name}_password" for name in histories),
     )
     project: dict[str, object] = {
         "services": services,
         # Behind the hubs nothing is reached from outside, and nothing reaches out.
         "networks": {"front": {}, "back": {"internal": True}},
         # `hub-data` is one for all hubs.
-        "volumes": {name: {} for name in ("hub-data", "link", "gateway-data", "database")},
+        "volumes": {
+            name: {} for name in ("hub-data", "link", "gateway-data", "database", *histories)
+        },
         "secrets": {name: {"file": f"./secrets/{name}"} for name in secrets},
     }
     return dump_project(project)
@@ -158,11 +178,13 @@ backend hubs
   option httpchk GET /api/ready
   http-check send hdr Host 127.0.0.1
   http-check expect status 200
-  timeout check 1s
+  timeout check 2s
   # A hub's own certificate is for browsers and gateways, whose TLS passes through here; a check
-  # only asks whether the hub is ready. `send-proxy-v2` tells the hub who comes.
+  # only asks whether the hub is ready. `send-proxy-v2` tells the hub who comes. Sessions of a hub
+  # that is late with its answer stay: gateways and pages notice one that is gone within seconds,
+  # and to cut off all at once makes a busy hub busier.
   default-server check check-ssl verify none inter 500ms fall 2 rise 1 send-proxy-v2 \
-check-send-proxy on-marked-down shutdown-sessions resolvers containers init-addr last,libc,none
+check-send-proxy resolvers containers init-addr last,libc,none
 {servers}
 
 # For whoever watches this process.
@@ -183,7 +205,12 @@ def _database_access() -> dict[str, object]:
 
 
 def _one_of_several(
-    name: str, names: Sequence[str], hosts: Iterable[str], files: FilesChoice | None
+    name: str,
+    names: Sequence[str],
+    hosts: Iterable[str],
+    *,
+    files: FilesChoice | None,
+    histories: Sequence[str],
 ) -> dict[str, object]:
     words = hub_words(hosts)
     words += ["--cluster-file", f"{SECRET_FOLDER}/cluster_url", "--cluster-name", name]
@@ -194,6 +221,10 @@ def _one_of_several(
     if files is not None:
         words += files.hub_words(SECRET_FOLDER)
         secrets += files.secrets
+    if histories:
+        # A hub starts without them, and uses each as soon as it is there.
+        words += ["--history-servers", f"{SECRET_FOLDER}/{HISTORY_FILE}"]
+        secrets.append(HISTORY_FILE)
     # The first makes the tables and the keys that all have; the others come once it is there.
     after: dict[str, object] = {
         "database": {"condition": "service_healthy"},

@@ -21,6 +21,7 @@ from talaia.hub.api.static_pages import Pages
 from talaia.hub.app import build_hub
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.cluster.entrance import NoLead
+from talaia.hub.cluster.lead_wait import HeldOpening, LeadWait
 from talaia.hub.cluster.member import ClusterMember
 from talaia.hub.cluster.nats_bus import NatsBus
 from talaia.hub.errors import HubError
@@ -49,6 +50,8 @@ _LOG = logging.getLogger(__name__)
 _CLOSE_S = 2.0
 # Cut off from the database and from all others for so long, a lead lets its gateways go (s).
 _ALONE_S = 10.0
+# Hubs that a socket's opening is handed to, one after the other as they go.
+_TRIES = 3
 _NO_LEAD = "no hub leads just now; one takes over within seconds"
 
 
@@ -85,6 +88,8 @@ class ClusterHub:
         self._lock = LeadLock(settings.url, taken=self._take_lead, lost=self._lose_lead)
         self._member.database_ms = lambda: self._lock.answered_ms
         self._member.count_own = self._count_own
+        self._waiting = LeadWait(self._has_lead, self._expects_lead)
+        self._member.lead_heard = self._waiting.notify
         # Built while nobody waits for it; it opens when this hub leads.
         self._hub: Hub = build_hub(settings, clock, seat=self)
         self._leading: Hub | None = None
@@ -176,18 +181,30 @@ class ClusterHub:
         if scope["path"] in {"/api/health", "/api/ready"}:
             await self._own(scope, receive, send)
             return
-        hub = self._leading
-        if hub is not None:
-            with self._counted(scope):
-                await hub.asgi(scope, receive, send)
-        elif self._is_asset(scope):
+        if self._leading is None and self._is_asset(scope):
             await self._own(scope, receive, send)
-        else:
+            return
+        opening = HeldOpening(receive)
+        for _ in range(_TRIES):
+            if not await self._waiting.wait_for_lead(opening.began_s):
+                break
+            hub = self._leading
+            if hub is not None:
+                with self._counted(scope):
+                    await hub.asgi(scope, opening.receive, send)
+                return
             try:
-                await self._member.entrance.serve_request(scope, receive, send)
+                await self._member.entrance.serve_request(scope, opening.receive, send)
             except NoLead as error:
                 _LOG.debug("%s %s: %s", scope["type"], scope["path"], error)
-                await self._own(scope, receive, send)
+                # Of a request nobody knows whether the hub that is gone has done it; a socket that
+                # was not opened has done nothing.
+                if scope["type"] != "websocket" or not opening.begin_again():
+                    break
+            else:
+                return
+        opening.begin_again()
+        await self._own(scope, opening.receive, send)
 
     async def _answer_own(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what needs no lead: whether it is well, assets, and that none leads."""
@@ -212,7 +229,16 @@ class ClusterHub:
     def _is_ready(self) -> bool:
         if self._leaving or self.ended.is_set():
             return False
+        # Who comes within a take-over is held until it is done: were no hub ready, a load balancer
+        # would send everybody away, and they would come again at one blow.
+        return self._leading is not None or self._member.led_lately
+
+    def _has_lead(self) -> bool:
         return self._leading is not None or self._member.find_lead() is not None
+
+    def _expects_lead(self) -> bool:
+        """Tell whether a hub may lead soon, and be heard here."""
+        return self._member.connected and not (self._leaving or self.ended.is_set())
 
     def _is_asset(self, scope: Scope) -> bool:
         # Named by their content: the same at every hub that has it, and open to all.
@@ -280,10 +306,12 @@ class ClusterHub:
         """Wait for the lock, then be the hub until the end."""
         await self._taken.wait()
         _LOG.info("this hub has the lock; it opens")
+        await self._member.begin_opening()
         try:
             with self._data_lock():
                 async with self._hub.running():
                     self._leading = self._hub
+                    self._waiting.notify()
                     await self._member.begin_leading(self._hub.asgi, self._epoch)
                     self._announce()
                     await self._closing.wait()

@@ -2,7 +2,7 @@
 
 from hypothesis import given, strategies as st
 
-from talaia.hub.cluster.peers import SILENT_S, HubNotice, Peers
+from talaia.hub.cluster.peers import SILENT_S, TAKE_OVER_S, HubNotice, Peers
 
 S = 1_000_000_000
 SILENT_NS = round(SILENT_S * S)
@@ -49,3 +49,29 @@ def test_a_hub_that_was_started_anew_stands_once_in_the_list() -> None:
     peers.hear_notice(notice("run one", name="east"), 0)
     peers.hear_notice(notice("run two", name="east"), SILENT_NS + 1)
     assert [known.notice.hub for known in peers] == ["run two"]
+
+
+def test_while_another_hub_takes_over_nothing_is_handed_to_the_one_before() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("a", leads=True, epoch=3), 0)
+    peers.hear_notice(notice("b", opens=True), 1)
+    assert peers.find_lead(2) is None
+    assert peers.led_lately(2)
+    peers.hear_notice(notice("b", leads=True, epoch=4), 3)
+    assert peers.find_lead(4).hub == "b"
+
+
+def test_one_that_took_over_and_fell_silent_is_waited_for_no_longer_than_others() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("b", opens=True), 0)
+    peers.hear_notice(notice("a", leads=True, epoch=3), SILENT_NS)
+    assert peers.find_lead(SILENT_NS + 1).hub == "a"
+
+
+def test_a_hub_counts_as_led_for_as_long_as_a_take_over_lasts() -> None:
+    peers = Peers()
+    within_ns = SILENT_NS + round(TAKE_OVER_S * S)
+    assert not peers.led_lately(0)
+    peers.hear_notice(notice("a", leads=True, epoch=3), 0)
+    assert peers.led_lately(within_ns)
+    assert not peers.led_lately(within_ns + 1)

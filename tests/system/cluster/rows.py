@@ -12,6 +12,7 @@ import hashlib
 import os
 import random
 import time
+from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import NamedTuple
 from zlib import crc32
@@ -181,39 +182,58 @@ async def k10(world: ClusterWorld, chance: random.Random, findings: Findings) ->
 
 
 async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
-    """The object store is away, full or slow while a recording is brought and the lead dies."""
-    trouble = ("away", "full", "slow")[findings.turn % 3]
-    findings.counted[trouble] += 1
-    line = world.store_line
+    """The object store is away, full and slow while recordings are brought; the lead dies, too."""
+    troubles = deque(("away", "full", "slow"))
+    troubles.rotate(-findings.turn)
     async with driven(world, chance, findings) as load:
-        name = f"20260101T120000Z-{os.urandom(3).hex()}"
-        body = os.urandom(PIECE + 5)
-        if trouble == "away":
-            line.away = True
-        elif trouble == "full":
-            line.refusal = (507, "XMinioStorageFull")
-        else:
-            line.slow_s = 1.5
-        bringing = asyncio.create_task(_bring_recording(world, name, body))
-        try:
-            # By then the hub has all of it, and the store has nothing.
-            await lasts_for(1.0)
-            async with lead_changes(world, findings) as lead:
-                at = lead.kill()
-                await load.raise_alarm()
-                await load.must_stop(at)
-            lead.start()
-            if trouble != "slow" and bringing.done():
-                findings.breach("I1", f"a file is acknowledged that the store, {trouble}, lacks")
-        finally:
-            line.away, line.refusal, line.slow_s = False, None, 0.0
-        async with asyncio.timeout(60):
-            await bringing
-        path = f"/api/sites/crowd0/recordings/{name}/file"
-        async with world.client() as client:
-            answer = await client.get(path, headers={"Cookie": await world.cookie()})
-        if answer.content != body:
-            findings.breach("I1", f"an acknowledged file is not there ({answer.status_code})")
+        # Two of them alone, and with the third the hub that leads is killed.
+        *alone, last = troubles
+        for trouble in reversed(alone):
+            await bring_within(world, findings, trouble)
+        async with bringing_within(world, findings, last), lead_changes(world, findings) as lead:
+            at = lead.kill()
+            await load.raise_alarm()
+            await load.must_stop(at)
+        lead.start()
+
+
+async def bring_within(world: ClusterWorld, findings: Findings, trouble: str) -> None:
+    """Let a recording come while the store has a trouble, and be there after it."""
+    async with bringing_within(world, findings, trouble):
+        pass
+
+
+@contextlib.asynccontextmanager
+async def bringing_within(
+    world: ClusterWorld, findings: Findings, trouble: str
+) -> AsyncIterator[None]:
+    """Let a recording come while the store has a trouble; what is inside happens meanwhile."""
+    line = world.store_line
+    findings.counted[trouble] += 1
+    name = f"20260101T120000Z-{os.urandom(3).hex()}"
+    body = os.urandom(PIECE + 5)
+    if trouble == "away":
+        line.away = True
+    elif trouble == "full":
+        line.refusal = (507, "XMinioStorageFull")
+    else:
+        line.slow_s = 1.5
+    bringing = asyncio.create_task(_bring_recording(world, name, body))
+    try:
+        # By then the hub has all of it, and the store has nothing.
+        await lasts_for(1.0)
+        yield
+        if trouble != "slow" and bringing.done():
+            findings.breach("I1", f"a file is acknowledged that the store, {trouble}, lacks")
+    finally:
+        line.away, line.refusal, line.slow_s = False, None, 0.0
+    async with asyncio.timeout(60):
+        await bringing
+    path = f"/api/sites/crowd0/recordings/{name}/file"
+    async with world.client() as client:
+        answer = await client.get(path, headers={"Cookie": await world.cookie()})
+    if answer.content != body:
+        findings.breach("I1", f"an acknowledged file is not there ({answer.status_code})")
 
 
 async def _bring_recording(world: ClusterWorld, name: str, body: bytes) -> None:

@@ -70,6 +70,8 @@ class ClusterMember:
         # 0: this hub does not lead.
         self._epoch = 0
         self._leaving = False
+        # It has the lock, and reads what is stored.
+        self._opens = False
         # How often the bus was lost.
         self._losses = 0
         self._saying: asyncio.Task[None] | None = None
@@ -80,6 +82,8 @@ class ClusterMember:
         # What this hub counts itself while it leads: links of gateways and sockets that came here.
         self.count_own: Callable[[], tuple[int, int]] = lambda: (0, 0)
         self.database_ms: Callable[[], float] = lambda: 0.0
+        # Called when another hub says that it leads.
+        self.lead_heard: Callable[[], None] = lambda: None
 
     @property
     def leads(self) -> bool:
@@ -94,6 +98,11 @@ class ClusterMember:
     def find_lead(self) -> HubNotice | None:
         """Give the other hub that leads; None: none is heard."""
         return self.peers.find_lead(self._clock.monotonic_ns()) if self._bus.connected else None
+
+    @property
+    def led_lately(self) -> bool:
+        """Whether another hub leads, or did a moment ago."""
+        return self._bus.connected and self.peers.led_lately(self._clock.monotonic_ns())
 
     async def open(self) -> None:
         """Listen from now on."""
@@ -114,9 +123,14 @@ class ClusterMember:
                 _LOG.exception("a beat between the hubs failed; the next one comes")
             await asyncio.sleep(BEAT_S)
 
+    async def begin_opening(self) -> None:
+        """Say that this hub is about to lead: nobody is to wait for the one of before."""
+        self._opens = True
+        await self._say_notice()
+
     async def begin_leading(self, app: ASGIApp, epoch: int) -> None:
         """Answer for the others with ``app`` from now on."""
-        self._epoch = epoch
+        self._epoch, self._opens = epoch, False
         # Whoever came through here to the lead of before comes again, and is answered here.
         self.entrance.break_off("this hub leads now")
         self.answering.begin_answering(app)
@@ -157,6 +171,7 @@ class ClusterMember:
             leads=self._epoch > 0,
             epoch=self._epoch,
             leaving=self._leaving,
+            opens=self._opens,
             losses=self._losses,
             since_us=self._since_us,
             cpu=round(cpu, 3),
@@ -218,9 +233,13 @@ class ClusterMember:
             self.answering.break_off("the hub between had lost the bus", hub=notice.hub)
         if notice.leads and notice.epoch > self._epoch > 0:
             self._superseded()
+        elif notice.opens and not self._epoch:
+            # Sooner than its silence would tell; who comes again is held until that one leads.
+            self.entrance.break_off("another hub is about to lead")
         elif notice.leads and not self._epoch:
             # Of a new lead at once: who still asks the one of before waits for nothing.
             self.entrance.break_off("another hub leads now", but=self._find_lead_hub())
+            self.lead_heard()
 
     def _hear_tunnel(self, lane: BusLane, hub: str, frame: TunnelFrame) -> None:
         name = TunnelName(hub, frame.tunnel)

@@ -15,6 +15,8 @@ __all__ = ["BEAT_S", "SILENT_S", "HubNotice", "KnownHub", "Peers"]
 # page takes a lost link for lost.
 BEAT_S = 0.5
 SILENT_S = 2.0
+# A lead that is gone is replaced within this, in most cases (s).
+TAKE_OVER_S = 5.0
 # One that has gone is shown so long (s).
 _SHOWN_S = 86_400.0
 _MOST_KNOWN = 200
@@ -29,6 +31,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
         leads: it decides, and keeps everything; of two, the one with the higher ``epoch`` does.
         epoch: how often the lead has changed, by the database, when it became the lead.
         leaving: it ends; nothing new is to go there.
+        opens: it has the database's lock, and is about to lead.
         losses: how often it has lost the bus: what was under way to it before is over.
         since_us: when it started (UTC, by its own clock).
         cpu: share of a core that it takes.
@@ -45,6 +48,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
     leads: bool = False
     epoch: int = 0
     leaving: bool = False
+    opens: bool = False
     losses: int = 0
     since_us: int = 0
     cpu: float = 0.0
@@ -94,8 +98,23 @@ class Peers:
         known = self._known.get(hub)
         return known is not None and now_ns - known.heard_ns <= SILENT_S * 1e9
 
+    def led_lately(self, now_ns: int) -> bool:
+        """Tell whether a hub leads, or did so a moment ago: another one is about to."""
+        within_ns = (SILENT_S + TAKE_OVER_S) * 1e9
+        return any(
+            known.notice.leads and now_ns - known.heard_ns <= within_ns
+            for known in self._known.values()
+        )
+
     def find_lead(self, now_ns: int) -> HubNotice | None:
         """Give the hub that leads; None: none is heard that does."""
+        # That one has the lock; one that still says that it leads does not know it yet.
+        if any(
+            known.notice.opens and not known.notice.leaving
+            for known in self._known.values()
+            if now_ns - known.heard_ns <= SILENT_S * 1e9
+        ):
+            return None
         leading = [
             known.notice
             for known in self._known.values()

@@ -10,6 +10,7 @@ from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history, check_homes
 from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.live.offline_sites import OfflineSites
+from talaia.hub.store.sites.descriptions import Descriptions
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -41,7 +42,11 @@ class HistoryFeature(Feature):
             self.tasks = [BackgroundTask(name="servers", run=self.store.run)]
         # Sites of before, which are shown while their gateways are away.
         self._known_sites = OfflineSites(
-            sites=core.sites, registry=registry, history=self.store, clock=core.clock
+            sites=core.sites,
+            registry=registry,
+            versions=Descriptions(core.database, core.clock),
+            history=self.store,
+            clock=core.clock,
         )
         self.routers = [HistoryPages(self.store).make_router()]
 

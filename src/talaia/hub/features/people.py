@@ -171,7 +171,7 @@ class PeopleFeature(Feature):
             registry=registry,
             resumes=core.resumes,
             # Turns for keys of gateways; people wait in no queue.
-            turns=JoinQueue(),
+            turns=JoinQueue(at_once=JoinQueue.MOST_WAITING),
             clock=core.clock,
         )
         return SocketAdmission(access=self.access, gateways=gateways, limits=self.limits)

@@ -44,7 +44,7 @@ class DatabaseThreads:
         loop = asyncio.get_running_loop()
         try:
             return await loop.run_in_executor(self._pool, lambda: work(*args, **kwargs))
-        except SQLAlchemyError as error:
+        except (SQLAlchemyError, OSError) as error:
             # SQLAlchemy's own text has the statement and its parameters; people need the reason.
             reason = getattr(error, "orig", None) or error
             raise HistoryAway(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Engine
 
+    from talaia.hub.history.connection_cut import ConnectionCut
     from talaia.hub.store.database_url import OnConnect, Reach
 
 __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
@@ -28,8 +29,16 @@ READERS = 4
 _CHECKPOINT_BYTES = 4 * 1024 * 1024
 
 
-def open_engine(url: str, *, writes: bool, on_connect: OnConnect | None = None) -> Engine:
-    """Prepare connections; the database is not touched yet. ``on_connect`` may refuse one.
+def open_engine(
+    url: str,
+    *,
+    writes: bool,
+    on_connect: OnConnect | None = None,
+    cut: ConnectionCut | None = None,
+) -> Engine:
+    """Prepare connections; the database is not touched yet.
+
+    ``on_connect`` may refuse one; ``cut`` can end all of them at once.
 
     Raises:
         HistoryError: the URL cannot be read, or its driver is not installed.
@@ -39,7 +48,7 @@ def open_engine(url: str, *, writes: bool, on_connect: OnConnect | None = None) 
     try:
         engine = create_engine(
             found.url,
-            connect_args=found.arguments,
+            connect_args={**found.arguments, **found.dialect.opening_bounds},
             pool_size=1 if writes else READERS,
             max_overflow=0,
             # Every use begins and ends its transaction itself; to end it again is a round trip.
@@ -52,6 +61,8 @@ def open_engine(url: str, *, writes: bool, on_connect: OnConnect | None = None) 
     if on_connect is not None:
         event.listen(engine, "connect", on_connect)
     found.dialect.prepare_history(engine, writes=writes)
+    if cut is not None:
+        cut.guard_engine(engine)
     return engine
 
 

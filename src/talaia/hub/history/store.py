@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     )
 
     from talaia.clock import Clock
+    from talaia.hub.history.connection_cut import ConnectionCut
     from talaia.hub.history.queries.channels import StoredChannel
     from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
     from talaia.hub.history.queries.outliers import Outliers
@@ -76,6 +77,7 @@ class HistoryStore:
         *,
         on_connect: OnConnect | None = None,
         term: WriteTerm | None = None,
+        cut: ConnectionCut | None = None,
     ) -> None:
         """Prepare for a SQLAlchemy URL; ``on_connect`` may refuse a connection, ``term`` writing.
 
@@ -85,11 +87,11 @@ class HistoryStore:
         """
         limits, address = limits or HistoryLimits(), address_of(url)
         # One connection that writes, and a few that read at the same time.
-        self._writing = open_engine(url, writes=True, on_connect=on_connect)
-        self._reading = open_engine(url, writes=False, on_connect=on_connect)
+        self._writing = open_engine(url, writes=True, on_connect=on_connect, cut=cut)
+        self._reading = open_engine(url, writes=False, on_connect=on_connect, cut=cut)
         if term is not None:
             term.guard_engine(self._writing)
-        self._limits = limits
+        self._limits, self._clock = limits, clock
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)
         # Keep SQLite's journal short.
@@ -103,7 +105,6 @@ class HistoryStore:
         self._long_reads = LongReads(
             address=address, engine=self._reading, ledger=ledger, reader=self._reader, limits=limits
         )
-        self._clock = clock
         # How long each channel is kept.
         self._periods = RetentionPeriods()
         self._tidier = Tidier(

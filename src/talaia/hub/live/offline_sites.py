@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from typing import TYPE_CHECKING
 
@@ -18,12 +19,14 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
-    from talaia.hub.store.sites.site_registry import SiteRegistry
+    from talaia.hub.store.sites.descriptions import Descriptions
+    from talaia.hub.store.sites.site_registry import KnownSite, SiteRegistry
 
 __all__ = ["ImportedSites", "OfflineSites"]
 
 _LOG = logging.getLogger(__name__)
 # Why, and where it is, is for admins.
+_AT_ONCE = 32
 _HISTORY_AWAY = "its history is on a server that is away, and its gateway has not connected"
 
 
@@ -35,10 +38,12 @@ class OfflineSites:
         *,
         sites: Sites,
         registry: SiteRegistry,
+        versions: Descriptions,
         history: History,
         clock: Clock,
     ) -> None:
         """Know none yet."""
+        self._versions = versions
         self._sites = sites
         self._registry = registry
         self._history = history
@@ -46,27 +51,38 @@ class OfflineSites:
 
     async def restore_sites(self) -> None:
         """Know the sites of before, with their last values, though none is connected yet."""
-        for known in await self._registry.list_sites():
-            try:
-                description = load_site(known.description)
-            except DescriptionError as error:
-                # One that this version cannot read must not keep the others away.
-                _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
-                continue
-            await self._history.describe_site(description)
-            live = self._sites.describe_site(description, known.catalogue)
-            # A gateway that says the same again need not have it read a second time.
-            live.gateway.fingerprint = fingerprint_of(known.description, known.catalogue)
-            # UTC, for no monotonic time outlives the process that took it.
-            live.presence.since_us = live.presence.last_seen_us = known.last_seen_us
-            # Shown in the place of a lost link, which this process has not seen.
-            live.presence.why = "its gateway has not connected since the hub was started"
-            try:
-                await self._remember_values(known.site, live)
-            except HistoryAway as error:
-                # Its gateway comes all the same, and is watched, stopped and driven.
-                live.presence.why = _HISTORY_AWAY
-                _LOG.warning("the last values of %s are not known: %s", known.site, error)
+        digests = await self._versions.newest_digests()
+        every = await self._registry.list_sites()
+        # Several at once, which the history writes down together: who takes over for another hub
+        # has all its gateways and pages waiting.
+        for first in range(0, len(every), _AT_ONCE):
+            some = every[first : first + _AT_ONCE]
+            await asyncio.gather(
+                *(self._restore_site(known, digests.get(known.site, "")) for known in some)
+            )
+
+    async def _restore_site(self, known: KnownSite, digest: str) -> None:
+        try:
+            description = load_site(known.description)
+        except DescriptionError as error:
+            # One that this version cannot read must not keep the others away.
+            _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
+            return
+        live = self._sites.describe_site(description, known.catalogue)
+        await self._history.describe_site(description)
+        # A gateway that says the same again need not have it read, or stored, a second time.
+        live.gateway.fingerprint = fingerprint_of(known.description, known.catalogue)
+        live.gateway.digest = digest
+        # UTC, for no monotonic time outlives the process that took it.
+        live.presence.since_us = live.presence.last_seen_us = known.last_seen_us
+        # Shown in the place of a lost link, which this process has not seen.
+        live.presence.why = "its gateway has not connected since the hub was started"
+        try:
+            await self._remember_values(known.site, live)
+        except HistoryAway as error:
+            # Its gateway comes all the same, and is watched, stopped and driven.
+            live.presence.why = _HISTORY_AWAY
+            _LOG.warning("the last values of %s are not known: %s", known.site, error)
 
     async def _remember_values(self, site: str, live: LiveSite) -> None:
         addresses = [channel.address for channel in live.every]

@@ -120,6 +120,7 @@ class LinkedGateway:
         fingerprint: hash of the description's text as it came, and its catalogue; empty before
             the first hello is kept.
         source: the description's text as a person wrote it; empty where it cannot be changed.
+        digest: of the text that is kept as the site's newest version; empty: it is not known.
         accepts: which changes it takes: ``no``, ``readings`` or ``all``.
         problem: what is wrong with the description's file at the gateway, if anything.
         challenged: it proved its key by our challenge; one of before says the key.
@@ -134,6 +135,7 @@ class LinkedGateway:
     boot: str = ""
     fingerprint: tuple[bytes, str] = (b"", "")
     source: str = ""
+    digest: str = ""
     accepts: str = ""
     problem: ChangeState | None = None
     challenged: bool = False

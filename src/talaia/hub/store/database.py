@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
+from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection, event, inspect, text
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
@@ -28,6 +30,7 @@ __all__ = ["Database", "open_migrated"]
 
 ScalarT = TypeVar("ScalarT")
 
+_MIGRATING: WeakKeyDictionary[asyncio.AbstractEventLoop, asyncio.Lock] = WeakKeyDictionary()
 _MIGRATIONS = Path(__file__).parent / "migrations"
 # Whoever waits longer than this for one of the connections is told that the database is busy (s).
 _POOL_S = 5
@@ -113,7 +116,7 @@ class Database:
 
         """
         try:
-            async with self._writer.begin() as connection:
+            async with _migrating_turn(), self._writer.begin() as connection:
                 await connection.run_sync(_upgrade_schema)
         except self._failures as error:
             reason = getattr(error, "orig", None) or error
@@ -155,6 +158,15 @@ def _make_engine(found: Reach) -> AsyncEngine:
         raise found.missing_driver(error) from error
     found.dialect.prepare_accounts(engine.sync_engine)
     return engine
+
+
+def _migrating_turn() -> asyncio.Lock:
+    """Give what one database of this loop has that is brought up to date.
+
+    Alembic has one "current connection" for the whole program: of two at once, steps of one would
+    be done to the other.
+    """
+    return _MIGRATING.setdefault(asyncio.get_running_loop(), asyncio.Lock())
 
 
 def _await_turn(connection: Connection) -> None:

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 import pytest
 
 from talaia.clock import SystemClock
+from talaia.hub.history.servers.history_server import STILL_S
 from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.history.servers.server_file import HistoryServersFile
 from talaia.hub.history.store import HistoryStore
@@ -30,14 +31,16 @@ class Place:
     default: str = OWN
 
     @asynccontextmanager
-    async def opened(self, limits=TINY):
+    async def opened(self, limits=TINY, still_s=STILL_S):
         """Open what a hub has open; give its history, and the homes."""
         database = Database(self.accounts)
         await database.migrate()
         homes = HistoryHomes(database)
         named = HistoryServersFile(servers={"east": self.east}, default=self.default)
         own = HistoryStore(self.accounts, SystemClock(), limits)
-        servers = HistoryServers(own, named, homes, clock=SystemClock(), limits=limits)
+        servers = HistoryServers(
+            own, named, homes, clock=SystemClock(), limits=limits, still_s=still_s
+        )
         try:
             await servers.open()
             yield servers, homes

@@ -2,8 +2,15 @@
 
 import pytest
 
+from talaia.clock import SystemClock
 from talaia.hub.errors import CannotStart
 from talaia.hub.history.errors import HistoryAway, HistoryError
+from talaia.hub.history.limits import HistoryLimits
+from talaia.hub.history.servers.history_servers import HistoryServers
+from talaia.hub.history.servers.server_file import HistoryServersFile
+from talaia.hub.history.store import HistoryStore
+from talaia.hub.store.database import Database
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.model.yaml_text.load import load_site
 
@@ -131,3 +138,26 @@ async def test_a_hub_that_stands_still_within_a_transaction_is_ended_by_the_serv
         with store._writing.connect() as connection:
             bound = connection.exec_driver_sql(words[connection.dialect.name]).scalar()
     assert str(bound) in {"10s", "10"}
+
+
+async def test_two_new_servers_are_prepared_at_once(tmp_path) -> None:
+    """Tables are made by a library that knows one connection for the whole program."""
+    folders = [tmp_path / name for name in ("accounts", "east", "west")]
+    for folder in folders:
+        folder.mkdir()
+    accounts, east, west = (f"sqlite:///{folder}/talaia.db" for folder in folders)
+    database = Database(accounts)
+    await database.migrate()
+    own = HistoryStore(accounts, SystemClock())
+    named = HistoryServersFile(
+        servers={"east": east, "west": west}, default="east", sites={"b": "west"}
+    )
+    servers = HistoryServers(
+        own, named, HistoryHomes(database), clock=SystemClock(), limits=HistoryLimits()
+    )
+    await servers.open()
+    for site in ("a", "b"):
+        await send(servers, site, 0, 10)
+        await assert_whole(servers, site, 10)
+    await servers.close()
+    await database.close()

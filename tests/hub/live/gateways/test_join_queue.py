@@ -8,6 +8,7 @@ import ssl
 
 import pytest
 import websockets
+from msgspec.structs import replace
 from patience import PATIENCE_S
 from sqlalchemy import select
 
@@ -24,8 +25,9 @@ from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import gateways, sites
 from talaia.wire.browser import LeaseUpdate, SiteUpdate
 from talaia.wire.frames import Bye, Hello, LeaseState, Welcome
+from talaia.wire.sealing import compress_text
 
-from ...conftest import DESCRIPTION
+from ...conftest import DESCRIPTION, RunningHub, settings_in
 
 KEPT_AT_A_HUT = "talaia: 1\nsite: {site}\nname: {site}\ndevices: {{hut: {{name: Hut}}}}\n"
 
@@ -48,9 +50,9 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
     hub, history, monkeypatch
 ) -> None:
     inside, most, gate, full = 0, 0, asyncio.Event(), asyncio.Event()
-    stored_below = history.stored_below
+    describe_site = history.describe_site
 
-    async def counted(site, boot) -> int:
+    async def counted(site) -> None:
         nonlocal inside, most
         inside += 1
         most = max(most, inside)
@@ -58,9 +60,9 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
             full.set()
         await gate.wait()
         inside -= 1
-        return await stored_below(site, boot)
+        await describe_site(site)
 
-    monkeypatch.setattr(history, "stored_below", counted)
+    monkeypatch.setattr(history, "describe_site", counted)
     registry = SiteRegistry(hub.hub.core.database, hub.hub.core.clock)
     crowd = []
     for number in range(JoinQueue.AT_ONCE + 2):
@@ -76,6 +78,25 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
     for each in crowd:
         await each.hear(Welcome)
     assert most == JoinQueue.AT_ONCE
+
+
+async def test_after_a_restart_a_gateway_that_says_the_same_waits_for_no_turn(tmp_path) -> None:
+    """Two hundred that come back to a hub that has taken over would take turns for nothing."""
+    settings, keys, news = settings_in(tmp_path), {}, []
+    for text in ("# one\n", "# one\n", "# two\n"):
+        async with RunningHub(settings, None) as hub:
+            if not keys:
+                await hub.populate()
+                keys.update(hub.keys)
+            gateway = await hub.gateway(key=keys["agv"])
+            source = DESCRIPTION + text
+            hello = replace(gateway.hello_message(), source=compress_text(source))
+            news.append(hub.hub.descriptions.describing.has_news(hello, "agv", source))
+            await gateway.say(hello)
+            await gateway.hear(Welcome)
+            # What is stored by now is known at once, too.
+            assert not hub.hub.descriptions.describing.has_news(hello, "agv", source)
+    assert news == [True, False, True]
 
 
 async def test_gateway_too_many_is_told_to_come_again(hub, monkeypatch) -> None:

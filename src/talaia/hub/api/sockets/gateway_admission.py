@@ -77,7 +77,7 @@ class GatewayAdmission:
         header = socket.headers.get("authorization", "")
         kind, _, key = header.partition(" ")
         if kind.lower() == "bearer" and key:
-            # Only the look-up is in the turn, not the life of the link.
+            # Only the look-up is in the turn, not the life of the link; all at once share a query.
             async with self._turns.wait_turn():
                 return await self._registry.gateway_of(key.strip())
         said = read_proof(header)

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.history.errors import HistoryAway, HistoryError
-from talaia.hub.history.servers.history_server import HistoryServer
+from talaia.hub.history.servers.history_server import STILL_S, HistoryServer
+from talaia.hub.history.servers.late_descriptions import LateDescriptions
 from talaia.hub.history.servers.site_move import SiteMove
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
@@ -60,6 +61,7 @@ class HistoryServers:
 
     Attributes:
         places: where each site is.
+        descriptions: what is known of sites, and their servers are told.
 
     """
 
@@ -71,8 +73,11 @@ class HistoryServers:
         *,
         clock: Clock,
         limits: HistoryLimits,
+        still_s: float = STILL_S,
     ) -> None:
         """Have ``own``, the hub's own database, and those that are ``named``.
+
+        One that does not answer for ``still_s`` is away.
 
         Raises:
             HistoryError: a URL cannot be read, or its driver is not installed.
@@ -81,14 +86,12 @@ class HistoryServers:
         self._own = own
         self._homes = homes
         self._servers = {
-            name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes)
+            name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes, still_s=still_s)
             for name, url in named.servers.items()
         }
         # Which of them has which site.
         self.places = SitePlaces(own, self._servers, named, homes)
-        # The last description of each site, and of which the server was away when it came.
-        self._described: dict[str, Site] = {}
-        self._undescribed: set[str] = set()
+        self.descriptions = LateDescriptions(self.places)
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -119,20 +122,32 @@ class HistoryServers:
 
     async def run(self) -> None:
         """Open servers that come back, and move sites that are asked to move, until cancelled."""
-        while True:
-            await self.mend_servers()
-            await self.move_sites()
-            await asyncio.sleep(_LOOK_S)
+        async with asyncio.TaskGroup() as group:
+            # Each by itself: one that stands still holds up no other.
+            for server in self._servers.values():
+                group.create_task(self._keep_server(server), name=f"keep {server.name}")
+            group.create_task(self._keep_moving(), name="move sites")
 
     async def mend_servers(self) -> None:
         """Open servers that have come back, and describe to them what came meanwhile."""
-        await asyncio.gather(*(server.try_open() for server in self._servers.values()))
-        for site in sorted(self._undescribed):
-            if self._is_there(site):
-                with contextlib.suppress(HistoryError):
-                    async with self.places.describing_turn(site):
-                        await self.places.store_of(site).describe_site(self._described[site])
-                    self._undescribed.discard(site)
+        await asyncio.gather(*map(self._mend_server, self._servers.values()))
+        await self.descriptions.describe_late(OWN)
+
+    async def _keep_server(self, server: HistoryServer) -> None:
+        while True:
+            await self._mend_server(server)
+            await asyncio.sleep(_LOOK_S)
+
+    async def _keep_moving(self) -> None:
+        while True:
+            await self.move_sites()
+            await self.descriptions.describe_late(OWN)
+            await asyncio.sleep(_LOOK_S)
+
+    async def _mend_server(self, server: HistoryServer) -> None:
+        await server.check_pulse()
+        await server.try_open()
+        await self.descriptions.describe_late(server.name)
 
     async def move_sites(self) -> None:
         """Go on with each move that was asked for, once; what fails is tried again later."""
@@ -149,12 +164,6 @@ class HistoryServers:
 
     # ── of a move ──
 
-    async def describe_moved(self, site: str, store: HistoryStore) -> None:
-        """Describe a site to where it moves, as it was described last."""
-        described = self._described.get(site)
-        if described is not None:
-            await store.describe_site(described)
-
     def end_move(self, site: str) -> None:
         """Let what is too old be dropped again."""
         for store in self.places.open_stores():
@@ -164,21 +173,7 @@ class HistoryServers:
 
     async def describe_site(self, site: Site) -> None:
         """See `History.describe_site`; while its server is away, it is done later."""
-        self._described[site.site] = site
-        if self.places.is_held(site.site):
-            # A gateway that comes within a move is not kept waiting for it.
-            self._undescribed.add(site.site)
-            return
-        async with self.places.describing_turn(site.site):
-            home = await self.places.find_home(site.site)
-            if home == OWN:
-                await self._own.describe_site(site)
-                return
-            try:
-                async with asyncio.timeout(_PATIENCE_S):
-                    await self.places.store_named(home).describe_site(site)
-            except (HistoryError, TimeoutError):
-                self._undescribed.add(site.site)
+        await self.descriptions.describe_site(site)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """See `History.rename_channels`.
@@ -348,10 +343,6 @@ class HistoryServers:
         except (HistoryError, TimeoutError) as error:
             why = str(error) or "it stands still"
             raise HistoryAway(f"the server of the history of {site} is away: {why}") from error
-
-    def _is_there(self, site: str) -> bool:
-        store = self.places.opened_store(site)
-        return store is not None and not store.trouble
 
     def _hold_retention(self, home: HistoryHome) -> None:
         if home.moving_to:

@@ -140,7 +140,7 @@ class SiteMove:
             )
         if {channel.move for channel in copied.values()} != {self._home.move}:
             await target.transfer.erase_site(site)
-        await self._servers.describe_moved(site, target)
+        await self._servers.descriptions.describe_moved(site, target)
 
     async def _copy_left(self, source: SiteTransfer, target: SiteTransfer) -> int:
         """Copy the blocks that are not there yet; give how many there were."""
@@ -222,7 +222,7 @@ class SiteMove:
         while await self._copy_left(source, target):
             pass
         await self._copy_recent(source, target)
-        await self._servers.describe_moved(site, store)
+        await self._servers.descriptions.describe_moved(site, store)
         await target.adopt_sensors(site, await source.read_sensors(site))
         await target.adopt_runs(site, await source.read_runs(site), await source.read_gaps(site))
 

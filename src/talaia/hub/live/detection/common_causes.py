@@ -104,13 +104,19 @@ class CommonCauses:
         """Bring back what was open when the hub ended."""
         now_us = self._now_us()
         self._sure_us = now_us + AGAIN_US
+        try:
+            # Of all at once: who takes over for another hub is waited for.
+            every = await self._learned.states_named(_KEPT)
+        except _FAILS as error:
+            _LOG.warning("open anomalies are not known: %s", error)
+            return
         for live in self._sites:
+            kept = every.get(live.name)
+            if kept is None:
+                continue
             try:
-                kept = (await self._learned.states_of(live.name)).get(_KEPT)
-                if kept is None:
-                    continue
                 causes = msgspec.msgpack.decode(kept, type=SharedCauses)
-            except (*_FAILS, msgspec.MsgspecError) as error:
+            except msgspec.MsgspecError as error:
                 _LOG.warning("open anomalies of %s are not known: %s", live.name, error)
                 continue
             causes.mark_unsure(now_us)

@@ -22,7 +22,7 @@ from talaia.model.renames import list_renames
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
-from talaia.wire.sealing import decompress_text
+from talaia.wire.sealing import decompress_text, digest_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.change_requests import ChangeRequestClient
     from talaia.hub.live.gateways.channel_maps import ChannelMaps
     from talaia.hub.live.gateways.ingest import Ingest
+    from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.gateways.robot_events import RobotEvents, RobotMessage
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
@@ -88,10 +89,25 @@ class DescriptionIntake:
         # Knows why a change was asked for, and who waits for its end.
         self._changes = changes
 
+    def has_news(self, hello: frames.Hello, site: str, source: str) -> bool:
+        """Tell whether something of a hello is to be stored: it is not word for word as before."""
+        live = self._sites.find_site(site)
+        return (
+            live is None
+            or live.gateway.fingerprint != fingerprint_of(hello.description, hello.catalogue)
+            or live.gateway.digest != digest_of(source or hello.description)
+        )
+
     async def handle_hello(
-        self, hello: frames.Hello, description: Site, source: str, gateway: int
+        self,
+        hello: frames.Hello,
+        description: Site,
+        source: str,
+        *,
+        gateway: int,
+        turns: JoinQueue,
     ) -> Mapping[str, str]:
-        """Take in what a gateway says of its site when it comes.
+        """Take in what a gateway says of its site when it comes; one that says the same waits not.
 
         Returns:
             What channels are called from now on, by their former addresses, where the history is
@@ -101,6 +117,15 @@ class DescriptionIntake:
             SQLAlchemyError, TalaiaError, OSError: not all of it is stored.
 
         """
+        # Turns are for what is stored.
+        if not self.has_news(hello, description.site, source):
+            return {}
+        async with turns.wait_turn():
+            return await self._store_hello(hello, description, source, gateway)
+
+    async def _store_hello(
+        self, hello: frames.Hello, description: Site, source: str, gateway: int
+    ) -> Mapping[str, str]:
         site = description.site
         live = self._sites.find_site(site)
         told = fingerprint_of(hello.description, hello.catalogue)
@@ -118,7 +143,7 @@ class DescriptionIntake:
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
             await self._history.describe_site(description)
         # The text that a person wrote may change while what it describes does not.
-        if live is None or live.gateway.fingerprint != told or live.gateway.source != source:
+        if self.has_news(hello, site, source):
             note = "first seen" if live is None else "changed at the gateway"
             await self._versions.add_version(
                 site, source or hello.description, gateway=gateway, who="", note=note
@@ -193,6 +218,7 @@ class DescriptionIntake:
         # A hello that says the same is known by it.
         live.gateway.fingerprint = fingerprint_of(said, told.catalogue)
         live.gateway.source = source
+        live.gateway.digest = digest_of(source or said)
         # What was wrong with its file is put right: this text can be used.
         live.gateway.problem = None
         live.drop_undescribed()

@@ -2,8 +2,8 @@
 
 After a hub was away, all its gateways dial within seconds, and each costs look-ups in the
 database. Sessions are looked up there too, and while it cannot be told who may drive, driving is
-refused. So only a few gateways at a time have the database, and the rest wait their turn: once for
-their key, once for their hello.
+refused. So only a few gateways at a time write to the database, and the rest wait their turn; keys
+are looked up for all together, and who says what the hub knows already needs no turn.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ __all__ = ["JoinQueue"]
 class JoinQueue:
     """Turns, first come, first served."""
 
-    # Twice this is less than half of the database's connections: the others are for people.
+    # This is less than half of the database's connections: the others are for people.
     AT_ONCE = 3
     # Each is a socket in memory, and waits less long than the gateway's patience (5 s).
     MOST_WAITING = 1000
     # What a turn takes, of those that are had at once (s).
     TURN_S = 0.02
 
-    def __init__(self) -> None:
-        """Begin with nobody."""
-        self._turns = asyncio.Semaphore(self.AT_ONCE)
+    def __init__(self, at_once: int = AT_ONCE) -> None:
+        """Begin with nobody; ``at_once`` may have a turn at the same time."""
+        self._turns = asyncio.Semaphore(at_once)
         # Gateways that have no turn yet; those that hold one do not count.
         self._waiting = 0
 

@@ -32,6 +32,7 @@ from talaia.model.renames import former_addresses, list_renames
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
 from talaia.wire.newest import chosen_newest, runs_of
+from talaia.wire.sealing import digest_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -177,9 +178,10 @@ class LinkService:
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
-            async with self._admission.wait_turn():
-                later = await self._describing.handle_hello(hello, description, source, key.id)
-                acked = await _first_missing(ingest, hello)
+            later = await self._describing.handle_hello(
+                hello, description, source, gateway=key.id, turns=self._admission
+            )
+            acked = await _first_missing(ingest, hello)
         except HubBusy as error:
             await link.send_farewell(str(error), TRY_LATER, self._admission.after_s)
             return
@@ -194,9 +196,8 @@ class LinkService:
         # awaited from the last look to `_attach_link`, so no other comes between.
         if not await self._places.wait_place(link, key, hello, address):
             return
-        gateway = LinkedGateway(
-            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts
-        )
+        gateway = LinkedGateway(key.id, hello.boot, told, source, accepts=hello.accepts)
+        gateway.digest = digest_of(source or hello.description)
         self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
         link.send(

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
     from sqlalchemy import URL, Connection, Engine, Select, Table
+    from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.sql.selectable import CompoundSelect
 
     from talaia.hub.store.dialects.lead_words import LeadWords
@@ -39,6 +40,8 @@ class Dialect(Protocol):
         has_checkpoints: somebody has to keep its journal short.
         remedy: what to do when it cannot be opened.
         lead: how it says which of several hubs leads; none: only one hub can use it.
+        opening_bounds: the blocking driver's arguments by which a server that lets nobody in is
+            not waited for; `prepare_history` lifts them from a connection that is open.
         idle_bound: ends the session of a hub that stands still within a transaction, which would
             keep every other one from writing; empty: there is no such session.
 
@@ -51,6 +54,7 @@ class Dialect(Protocol):
     has_checkpoints: bool
     remedy: str
     lead: LeadWords | None
+    opening_bounds: Mapping[str, int]
     idle_bound: str
 
     # ── connections ──
@@ -84,6 +88,10 @@ class Dialect(Protocol):
 
     def open_snapshot(self, engine: Engine) -> Engine:
         """Give an engine whose transactions see one state, however long they take."""
+        ...
+
+    def cut_connection(self, connection: DBAPIConnection) -> None:
+        """End a connection under a thread that waits for its answer; that fails at once."""
         ...
 
     def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:

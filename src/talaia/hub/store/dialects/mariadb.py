@@ -13,6 +13,7 @@ from sqlalchemy import case, event, func, or_, select, text
 
 from talaia.hub.errors import StoreDown
 from talaia.hub.store.dialects.lead_words import MARIADB_LEAD
+from talaia.hub.store.dialects.socket_end import shut_socket
 from talaia.hub.store.dialects.statement_words import (
     insert_head,
     parse_columns,
@@ -53,6 +54,7 @@ class MariadbDialect:
     remedy = "check that the server runs, and that the database and its user are there"
     lead: LeadWords | None = MARIADB_LEAD
     # MySQL has no such bound, and passes over what is for MariaDB alone.
+    opening_bounds: Mapping[str, int] = {"read_timeout": _CONNECT_S}
     idle_bound = "SET @talaia = 1 /*M!100300 , SESSION idle_transaction_timeout = 10 */"
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
@@ -81,10 +83,15 @@ class MariadbDialect:
         """Allow the long texts that `fetch_columns` asks for."""
         del writes
         event.listen(engine, "connect", _gather_long)
+        event.listen(engine, "connect", _wait_for_answers)
 
     def open_snapshot(self, engine: Engine) -> Engine:
         """Take the level at which a transaction sees the state of its first statement."""
         return engine.execution_options(isolation_level="REPEATABLE READ")
+
+    def cut_connection(self, connection: DBAPIConnection) -> None:
+        """Shut PyMySQL's socket."""
+        shut_socket(getattr(connection, "_sock", None))
 
     def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:
         """Give none: all are translated."""
@@ -188,6 +195,13 @@ def _let_bytes_pass(connection: DBAPIConnection, _record: object) -> None:
         return said
 
     driver.escape = with_bytes
+
+
+def _wait_for_answers(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
+    """Let an answer take as long as it takes; until now it was bounded, as being let in is."""
+    # PyMySQL sets it anew before each answer.
+    if hasattr(connection, "_read_timeout"):
+        connection._read_timeout = None  # noqa: SLF001 - it has no option for it
 
 
 def _gather_long(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:

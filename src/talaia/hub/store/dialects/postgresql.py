@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import String, Text, cast, event, func, select, text
 
 from talaia.hub.store.dialects.lead_words import POSTGRESQL_LEAD
+from talaia.hub.store.dialects.socket_end import shut_socket
 from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, parse_columns
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ class PostgresqlDialect:
     has_checkpoints = False
     remedy = "check that the server runs, and that the database and its user are there"
     lead: LeadWords | None = POSTGRESQL_LEAD
+    opening_bounds: Mapping[str, int] = {"timeout": _CONNECT_S}
     idle_bound = "SET idle_in_transaction_session_timeout = '10s'"
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
@@ -66,11 +68,20 @@ class PostgresqlDialect:
         """Save pg8000 most of its waiting."""
         del writes
         event.listen(engine, "connect", _send_at_once)
+        event.listen(engine, "connect", _wait_for_answers)
         event.listen(engine, "before_cursor_execute", _inline_integers, retval=True, named=True)
 
     def open_snapshot(self, engine: Engine) -> Engine:
         """Take the level at which a transaction sees the state of its first statement."""
         return engine.execution_options(isolation_level="REPEATABLE READ")
+
+    def cut_connection(self, connection: DBAPIConnection) -> None:
+        """Shut pg8000's socket."""
+        opened = getattr(connection, "_usock", None)
+        shut_socket(opened)
+        if isinstance(opened, socket.socket):
+            # Its own farewell would go to a socket that is shut, and fail, and be logged.
+            connection.close = opened.close  # type: ignore[method-assign]
 
     def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:
         """Give asyncpg's own: they come through unchanged while a connection is made."""
@@ -162,6 +173,13 @@ def _send_at_once(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> N
     opened = getattr(connection, "_usock", None)
     if isinstance(opened, socket.socket) and opened.family != socket.AF_UNIX:
         opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+
+def _wait_for_answers(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
+    """Let an answer take as long as it takes; pg8000 bounds all by what bounds being let in."""
+    opened = getattr(connection, "_usock", None)
+    if isinstance(opened, socket.socket):
+        opened.settimeout(None)
 
 
 def _inline_integers(

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import URL, Connection, Engine, Table
     from sqlalchemy.engine import Dialect as EngineDialect
+    from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
@@ -54,6 +55,7 @@ class SqliteDialect:
     has_checkpoints = True
     remedy = "check that its folder exists and is writable"
     lead: LeadWords | None = None
+    opening_bounds: Mapping[str, int] = {}
     idle_bound = ""
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
@@ -93,6 +95,10 @@ class SqliteDialect:
     def open_snapshot(self, engine: Engine) -> Engine:
         """Give it as it is: transactions see one state anyway, by no name of a level."""
         return engine
+
+    def cut_connection(self, connection: DBAPIConnection) -> None:
+        """Do nothing: a file answers, or fails by itself."""
+        del connection
 
     def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:
         """Give none: sqlite3's errors are all translated."""

@@ -79,6 +79,19 @@ class Descriptions:
             )
         return number
 
+    async def newest_digests(self) -> dict[str, str]:
+        """Give the digest of each site's newest version."""
+        newest = (
+            select(_table.c.site, func.max(_table.c.number).label("number"))
+            .group_by(_table.c.site)
+            .subquery()
+        )
+        query = select(_table.c.site, _table.c.digest).join(
+            newest, (newest.c.site == _table.c.site) & (newest.c.number == _table.c.number)
+        )
+        async with self._database.read() as connection:
+            return {row.site: row.digest for row in await connection.execute(query)}
+
     async def versions_of(self, site: str, below: int = 2**62, most: int = 100) -> list[Version]:
         """List a site's versions below a number, the newest first."""
         columns = (_table.c[name] for name in Version._fields)

@@ -36,6 +36,20 @@ class DetectorState:
             rows = await connection.execute(select(learned).where(learned.c.site == site))
             return {(row.address, row.detector): row.state for row in rows}
 
+    async def states_named(self, name: tuple[str, str]) -> dict[str, bytes]:
+        """Give what every site keeps under one address and detector, by site.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        address, detector = name
+        query = select(learned.c.site, learned.c.state).where(
+            learned.c.address == address, learned.c.detector == detector
+        )
+        async with self._database.read() as connection:
+            return {row.site: row.state for row in await connection.execute(query)}
+
     async def save_states(self, rows: Sequence[tuple[str, str, str, bytes]]) -> None:
         """Keep states in place of those before: site, address, detector, bytes.
 

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
+from talaia.hub.store.sites.shared_lookup import SharedLookup
 from talaia.hub.store.tables import gateways, sites
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
     from talaia.wire.gateway_proof import ResumeToken
 
+# Keys in one query; more would be more parameters than some engines take.
+_AT_ONCE = 500
 __all__ = ["GatewayKey", "KnownGateway", "KnownSite", "SiteRegistry", "add_key"]
 
 
@@ -84,6 +88,9 @@ class SiteRegistry:
         self._database = database
         self._clock = clock
         self.attendance = GatewayPresence(database, clock)
+        # After a hub was away hundreds show their keys within a second.
+        self._by_hash = SharedLookup(self._keys_by_hash)
+        self._by_site = SharedLookup(self._keys_by_site)
 
     async def new_key(self, site: str, name: str = "") -> str:
         """Make a key for a site's gateway; the keys it had before are revoked."""
@@ -93,22 +100,31 @@ class SiteRegistry:
 
     async def gateway_of(self, key: str) -> GatewayKey | None:
         """Tell whose key this is; None when it is unknown or revoked."""
-        async with self._database.read() as connection:
-            rows = await connection.execute(
-                select(gateways.c.id, gateways.c.site).where(
-                    gateways.c.key_hash == hash_token(key), gateways.c.revoked_us == 0
-                )
-            )
-            row = rows.first()
-        return None if row is None else GatewayKey(*row)
+        return await self._by_hash.look_up(hash_token(key))
 
     async def keys_of_site(self, site: str) -> list[tuple[int, str]]:
         """Give number and hash of the good keys of a site: one, or none."""
-        query = select(gateways.c.id, gateways.c.key_hash).where(
-            gateways.c.site == site, gateways.c.revoked_us == 0
-        )
+        return await self._by_site.look_up(site) or []
+
+    async def _keys_by_hash(self, hashes: Collection[str]) -> dict[str, GatewayKey]:
+        rows = await self._good_rows(gateways.c.key_hash, hashes)
+        return {row.key_hash: GatewayKey(row.id, row.site) for row in rows}
+
+    async def _keys_by_site(self, names: Collection[str]) -> dict[str, list[tuple[int, str]]]:
+        found: dict[str, list[tuple[int, str]]] = {}
+        for row in await self._good_rows(gateways.c.site, names):
+            found.setdefault(row.site, []).append((row.id, row.key_hash))
+        return found
+
+    async def _good_rows(self, column: ColumnElement[str], values: Collection[str]) -> list[Any]:
+        asked, columns = list(values), (gateways.c.id, gateways.c.site, gateways.c.key_hash)
+        query = select(*columns).where(gateways.c.revoked_us == 0)
+        found: list[Any] = []
         async with self._database.read() as connection:
-            return [(row.id, row.key_hash) for row in await connection.execute(query)]
+            for first in range(0, len(asked), _AT_ONCE):
+                some = query.where(column.in_(asked[first : first + _AT_ONCE]))
+                found += (await connection.execute(some)).all()
+        return found
 
     async def key_hash(self, number: int) -> str | None:
         """Give what is kept of a gateway's key: its hash; None when it is unknown or revoked."""
