@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import psutil
@@ -122,24 +123,32 @@ class Crowd:
 
     async def all_back(self, within: float) -> float:
         """Wait until all are linked; give how long it took (s)."""
+        return await self._wait_for(b"linked\n", within)
+
+    async def all_kept(self, within: float) -> float:
+        """Wait, after `all_back`, until a batch of each was acknowledged; give how long (s)."""
+        return await self._wait_for(b"kept\n", within)
+
+    async def _wait_for(self, words: bytes, within: float) -> float:
         assert self._process.stdout is not None
         began = time.monotonic()
         async with asyncio.timeout(within):
-            if await self._process.stdout.readline() != b"linked\n":
-                raise SystemExit("the crowd of gateways has ended")
+            while (said := await self._process.stdout.readline()) != words:
+                if not said:
+                    raise SystemExit("the crowd of gateways has ended")
         return time.monotonic() - began
 
 
 @contextlib.asynccontextmanager
-async def crowd(here: Stack, count: int) -> AsyncIterator[Crowd]:
-    """Enrol so many gateways and let them dial."""
+async def crowd(here: Stack, count: int, signals: int = 0) -> AsyncIterator[Crowd]:
+    """Enrol so many gateways and let them dial; each has so many signals at 1 Hz."""
     database = Database(Settings(data=here.folder).url)
     registry = SiteRegistry(database, SystemClock())
     keys = [await registry.new_key(f"crowd{each}") for each in range(count)]
     await database.close()
     process = await asyncio.create_subprocess_exec(
         sys.executable, str(HERE / "crowd.py"), str(here.port),
-        str(here.folder / "tls" / "cert.pem"),
+        str(here.folder / "tls" / "cert.pem"), str(signals),
         stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
     )  # fmt: skip
     try:
@@ -149,6 +158,59 @@ async def crowd(here: Stack, count: int) -> AsyncIterator[Crowd]:
     finally:
         process.kill()
         await process.wait()
+
+
+class JoinCost(NamedTuple):
+    """What many gateways cost their hub.
+
+    Attributes:
+        joined_s: until all were linked the first time, and ``kept_s`` until of each a batch was
+            acknowledged after that (s).
+        join_ms: CPU of the hub for each of them, until then (ms); ``again_ms``: after all had lost
+            the link, until they were linked again.
+        back_s: until all were back (s).
+        running: of a core, while they send.
+        row_us: CPU of the hub for each sample meanwhile (µs).
+        memory_kib: of the hub, for each of them (KiB).
+
+    """
+
+    joined_s: float
+    kept_s: float
+    join_ms: float
+    again_ms: float
+    back_s: float
+    running: float
+    row_us: float
+    memory_kib: float
+
+
+async def join(here: Stack, count: int, signals: int, seconds: float) -> JoinCost:
+    """Let so many new gateways with so many signals come, send for a while, and all come again."""
+    hub = psutil.Process(here.hub.process.pid)
+
+    def used_s() -> float:
+        return sum(hub.cpu_times()[:2])
+
+    await asyncio.sleep(2)
+    memory, before = hub.memory_info().rss, used_s()
+    async with crowd(here, count, signals) as many:
+        joined_s = await many.all_back(300)
+        kept_s = await many.all_kept(300)
+        join_s = used_s() - before
+        await asyncio.sleep(5)
+        before, began = used_s(), time.monotonic()
+        await asyncio.sleep(seconds)
+        running = (used_s() - before) / (time.monotonic() - began)
+        grown = hub.memory_info().rss - memory
+        before = used_s()
+        await many.cut()
+        back_s = await many.all_back(120)
+        again_s = used_s() - before - running * back_s
+    return JoinCost(
+        joined_s, kept_s, 1e3 * join_s / count, 1e3 * again_s / count, back_s, running,
+        1e6 * running / (count * signals), grown / count / 1024,
+    )  # fmt: skip
 
 
 async def storm(here: Stack, target: Path, count: int) -> tuple[float, float, np.ndarray]:

@@ -3,7 +3,7 @@
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
                                  demo, history, history-page, signin, press, many, spool, storm,
-                                 load-description, camera, camera-slow, camera-crowd,
+                                 join, load-description, camera, camera-slow, camera-crowd,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
                                  board, scene, fleet, past
 
@@ -204,6 +204,33 @@ async def storm() -> list[Figure]:
         *percentiles("driving meanwhile", ages, 20, 20),
         Figure("driving frames that did not arrive", 100 - ages.size / 2, 5, "%"),
     ]
+
+
+async def join() -> list[Figure]:
+    """New gateways with 50 signals at 1 Hz: how soon they are there, and what each costs."""
+    figures, costs = [], {}
+    for count in (10, 50, 100, 200, 500):
+        async with stack.running(1) as here:
+            costs[count] = found = await link.join(here, count, 50, 20.0)
+        last = count == 500
+        figures += [
+            Figure(f"{count} new gateways: all linked after", found.joined_s,
+                   30 if last else math.inf, "s"),
+            Figure("a batch of each acknowledged after another", found.kept_s, math.inf, "s"),
+            Figure("CPU of the hub for each to join", found.join_ms, math.inf, "ms"),
+            Figure("CPU for each to come again, known", found.again_ms, 10, "ms"),
+            Figure("all back after a blow", found.back_s, 20 if last else math.inf, "s"),
+            Figure("hub while they send", 100 * found.running, 70 if last else math.inf,
+                   "% of a core"),
+            Figure("CPU of the hub for each sample", found.row_us, math.inf, "µs"),
+            Figure("memory of the hub for each", found.memory_kib, math.inf, "KiB"),
+        ]  # fmt: skip
+    return [
+        *figures,
+        Figure("CPU to join, dearest beside cheapest from 50 on",
+               max(costs[each].join_ms for each in costs if each >= 50)
+               / min(costs[each].join_ms for each in costs if each >= 50), 1.1, "times"),
+    ]  # fmt: skip
 
 
 async def history() -> list[Figure]:
@@ -609,8 +636,8 @@ PARTS = {
     "history-large": history_large, "history-page": history_page, "signin": signin_,
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
     "camera-crowd": camera_crowd, "objects": see, "objects-drive": see_and_drive, "press": press,
-    "many": many, "spool": spool, "storm": storm, "taps": taps_, "taps-cloud": taps_cloud,
-    "taps-drive": taps_drive,
+    "many": many, "spool": spool, "storm": storm, "join": join, "taps": taps_,
+    "taps-cloud": taps_cloud, "taps-drive": taps_drive,
 }  # fmt: skip
 
 
