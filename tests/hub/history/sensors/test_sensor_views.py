@@ -1,10 +1,13 @@
 """Each sensor's view shows its name, its time and its values to anyone with an SQL client."""
 
+import sqlite3
 import threading
+from contextlib import closing
 
 import numpy as np
 import pytest
 import sqlalchemy as sa
+from msgspec.structs import replace
 
 from talaia.hub.history.sensors import sensor_registry, sensor_views
 from talaia.hub.history.sensors.view_sql import view_name
@@ -88,6 +91,31 @@ async def test_of_very_many_sensors_the_first_have_views(url, sql, monkeypatch, 
     assert len(sql("SELECT view_name FROM history_sensor WHERE made_of <> ''")) == 25
     assert len(sql("SELECT view_name FROM history_sensor")) == 40
     assert "agv has many signals" in caplog.text
+
+
+async def test_a_file_has_as_many_views_as_its_connections_bear_and_says_so_once(
+    tmp_path, caplog
+) -> None:
+    url = f"sqlite:///{tmp_path / 'history.db'}"
+    sites = [
+        replace(site_of(**{f"s{each}": number() for each in range(100)}), site=f"agv{at}")
+        for at in range(5)
+    ]
+    async with opened(url) as store:
+        for site in sites:
+            await store.describe_site(site)
+        await store.wait_for_views()
+        made = "SELECT site, shown_name FROM history_sensor WHERE made_of <> ''"
+        with closing(sqlite3.connect(tmp_path / "history.db")) as file:
+            assert len(file.execute(made).fetchall()) == sensor_views.MOST_IN_FILE
+            assert caplog.text.count("there is no view for SQL") == 1
+            # One that has its view has it made anew, full or not.
+            signals = {**sites[0].devices["base"].signals, "s0": number(name="Wind")}
+            await store.describe_site(replace(site_of(**signals), site="agv0"))
+            await store.wait_for_views()
+            rows = file.execute(made).fetchall()
+        assert ("agv0", "Wind") in rows
+        assert len(rows) == sensor_views.MOST_IN_FILE
 
 
 async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:

@@ -10,11 +10,13 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.sensor_views import (
     kinds_of,
     read_kinds,
+    read_table_names,
     remember_sensors,
     rename_sensors,
     show_sensors,
 )
 from talaia.hub.history.sensors.view_sql import sensors_of
+from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -45,6 +47,10 @@ class SensorRegistry:
         # What each signal is, or was when it was last described, by site and address. Every page
         # asks for all of them, so they are not read from the database each time.
         self._kinds: dict[tuple[str, str], StoredSensorKind] = {}
+        # No view has the name of a table; read once, too.
+        self._table_names: frozenset[str] = frozenset()
+        # That a file has no room for more views is said once, not for each site.
+        self._is_full_told = False
         # Views that are being made; the event loop itself holds tasks only weakly.
         self._showing: set[asyncio.Task[None]] = set()
         # Sites take turns: the writing connection is one, and samples need it in between.
@@ -60,6 +66,7 @@ class SensorRegistry:
 
         """
         self._kinds = await self._threads.run_query(read_kinds, self._reading)
+        self._table_names = await self._threads.run_query(read_table_names, self._reading)
 
     def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
         """Give what a channel's signal is, or was when it was last described; None: not known."""
@@ -81,7 +88,9 @@ class SensorRegistry:
 
         """
         sensors = sensors_of(site, channels)
-        missing = await self._threads.run_query(remember_sensors, self._writing, site.site, sensors)
+        missing = await self._threads.run_query(
+            remember_sensors, self._writing, site.site, sensors, self._table_names
+        )
         for address, kind in kinds_of(sensors).items():
             self._kinds[site.site, address] = kind
         task = asyncio.create_task(self._show_sensors(site.site, missing))
@@ -113,12 +122,25 @@ class SensorRegistry:
     async def _show_sensors(self, site: str, sensors: list[SensorView]) -> None:
         async with self._one_site:
             try:
-                await self._threads.run_query(
+                made = await self._threads.run_query(
                     show_sensors, self._writing, site, sensors, lambda: self._closing
                 )
+                if made < len(sensors) and not self._closing:
+                    self._tell_full(site)
             except HistoryError as error:
                 # Views need a right of their own on a server; samples are kept without them.
                 _LOG.warning("the sensors of %s have no views for SQL: %s", site, error)
+
+    def _tell_full(self, site: str) -> None:
+        if dialect_of(self._writing).is_server:
+            _LOG.warning("%s has many signals; of each further one there is no view for SQL", site)
+        elif not self._is_full_told:
+            self._is_full_told = True
+            _LOG.warning(
+                "%s has many signals, with the sites before it; of each further one there is no"
+                " view for SQL in this file. A database server has them",
+                site,
+            )
 
     async def close(self) -> None:
         """Stop making views, and wait for those of the transaction that is under way."""

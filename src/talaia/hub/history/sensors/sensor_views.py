@@ -8,10 +8,11 @@ import logging
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import bindparam, delete, insert, inspect, select, update
+from sqlalchemy import bindparam, delete, func, insert, inspect, select, update
 
 from talaia.hub.history.sensors.view_sql import DropView, view_name, view_statement
 from talaia.hub.store import history_tables as tables
+from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +28,7 @@ __all__ = [
     "kinds_of",
     "read_kinds",
     "read_sensors",
+    "read_table_names",
     "remember_sensors",
     "rename_sensors",
     "show_sensors",
@@ -36,9 +38,11 @@ _LOG = logging.getLogger(__name__)
 # A view that is made otherwise than before is made anew.
 _VERSION = "1"
 _sensor = tables.sensor
-# Every view makes the database's own list of what it holds longer, which each connection reads
-# whole: at ten thousand, one more takes longer than a second.
+# A site's. Every view makes the database's own list of what it holds longer.
 MOST_VIEWS = 1000
+# Of all sites, in a file: each of its connections reads the list whole after each change of it, and
+# keeps it. With 100 sites of 50 sensors a site took a second to join, and 5 MiB for ever.
+MOST_IN_FILE = 250
 # So many views are made, and so many sensors written down, in one transaction: others write in
 # between.
 _AT_ONCE = 50
@@ -84,8 +88,22 @@ def read_kinds(engine: Engine) -> dict[tuple[str, str], StoredSensorKind]:
     return {(row.site, row.address): _sensor_kind(row) for row in rows}
 
 
-def remember_sensors(engine: Engine, site: str, sensors: list[SensorView]) -> list[SensorView]:
+def read_table_names(engine: Engine) -> frozenset[str]:
+    """Give the names that no view can have."""
+    with engine.connect() as connection:
+        return frozenset(inspect(connection).get_table_names())
+
+
+def remember_sensors(
+    engine: Engine, site: str, sensors: list[SensorView], table_names: frozenset[str]
+) -> list[SensorView]:
     """Write down what each sensor is; one that is no longer described stays as it was.
+
+    Args:
+        engine: of the database.
+        site: whose sensors they are.
+        sensors: all that the site has.
+        table_names: see `read_table_names`.
 
     Returns:
         Those that need a view made, or made anew.
@@ -103,14 +121,16 @@ def remember_sensors(engine: Engine, site: str, sensors: list[SensorView]) -> li
     ]
     for first in range(0, len(other), _ROWS_AT_ONCE):
         with engine.begin() as connection:
-            taken = set(inspect(connection).get_table_names())
-            taken |= set(connection.scalars(select(_sensor.c.view_name)))
-            for sensor in other[first : first + _ROWS_AT_ONCE]:
+            some = other[first : first + _ROWS_AT_ONCE]
+            taken = _taken_names(connection, site, some) | table_names
+            names = {}
+            for sensor in some:
                 name = known[sensor.address].view_name if sensor.address in known else ""
                 if not name:
                     name = view_name(site, sensor.address, sensor.channels[0], taken)
-                    taken.add(name)
-                _remember(connection, site, sensor, name)
+                    taken |= {name}
+                names[sensor.address] = name
+            _remember(connection, site, some, names)
     return [
         sensor
         for sensor in sensors
@@ -137,7 +157,7 @@ def show_sensors(
     """Make the views of sensors that are remembered and need one.
 
     A sensor that is no longer described keeps its view, as it keeps its history. A site has at
-    most `MOST_VIEWS` of them; ``ended`` is asked now and then.
+    most `MOST_VIEWS` of them, and a file `MOST_IN_FILE`; ``ended`` is asked now and then.
 
     Returns:
         How many views were made.
@@ -147,12 +167,13 @@ def show_sensors(
         return 0
     with engine.connect() as connection:
         rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
-    names = {row.address: row.view_name for row in rows}
-    made = {row.address for row in rows if row.made_of}
-    room = max(0, MOST_VIEWS - len(made - {sensor.address for sensor in sensors}))
-    if len(sensors) > room:
-        _LOG.warning("%s has many signals; of each further one there is no view for SQL", site)
-    wanted = sensors[:room]
+        names = {row.address: row.view_name for row in rows}
+        anew = {row.address for row in rows if row.made_of} & {each.address for each in sensors}
+        room = MOST_VIEWS - sum(bool(row.made_of) for row in rows)
+        if not dialect_of(connection).is_server:
+            held = select(func.count()).select_from(_sensor).where(_sensor.c.made_of != "")
+            room = min(room, MOST_IN_FILE - (connection.scalar(held) or 0))
+    wanted = sensors[: max(0, room + len(anew))]
     for first in range(0, len(wanted), _AT_ONCE):
         if ended():
             return first
@@ -160,11 +181,10 @@ def show_sensors(
             # There is one connection that writes; whoever waits for it gets it now.
             time.sleep(_BETWEEN_S)
         with engine.begin() as connection:
-            there = set(inspect(connection).get_view_names())
             for sensor in wanted[first : first + _AT_ONCE]:
                 name = names[sensor.address]
-                if name in there:
-                    connection.execute(DropView(name))
+                # Not all databases take a view back that was made before a crash.
+                connection.execute(DropView(name))
                 connection.exec_driver_sql(view_statement(connection.dialect, name, sensor))
             connection.execute(
                 update(_sensor)
@@ -175,7 +195,8 @@ def show_sensors(
                     for sensor in wanted[first : first + _AT_ONCE]
                 ],
             )
-    _LOG.info("%d sensors of %s have their views", len(wanted), site)
+    if wanted:
+        _LOG.info("%d sensors of %s have their views", len(wanted), site)
     return len(wanted)
 
 
@@ -217,23 +238,37 @@ def drop_sensors(engine: Engine, site: str) -> int:
     return len(rows)
 
 
-def _remember(connection: Connection, site: str, sensor: SensorView, name: str) -> None:
-    same = (_sensor.c.site == site, _sensor.c.address == sensor.address)
-    connection.execute(delete(_sensor).where(*same))
-    connection.execute(
-        insert(_sensor),
+def _taken_names(
+    connection: Connection, site: str, sensors: Sequence[SensorView]
+) -> frozenset[str]:
+    """Give those of the names that these could have which a sensor has."""
+    wanted = set()
+    for sensor in sensors:
+        name = view_name(site, sensor.address, sensor.channels[0], ())
+        wanted |= {name, view_name(site, sensor.address, sensor.channels[0], (name,))}
+    found = select(_sensor.c.view_name).where(_sensor.c.view_name.in_(wanted))
+    return frozenset(connection.scalars(found))
+
+
+def _remember(
+    connection: Connection, site: str, sensors: Sequence[SensorView], names: Mapping[str, str]
+) -> None:
+    connection.execute(delete(_sensor).where(_sensor.c.site == site, _sensor.c.address.in_(names)))
+    rows = [
         {
             "site": site,
             "address": sensor.address,
-            "view_name": name,
+            "view_name": names[sensor.address],
             "shown_name": sensor.shown[:_LONGEST_NAME],
             "unit": sensor.unit,
             "made_of": "",
             "type": sensor.type.value,
             "states": json.dumps(sensor.states),
             "decimals": sensor.decimals,
-        },
-    )
+        }
+        for sensor in sensors
+    ]
+    connection.execute(insert(_sensor), rows)
 
 
 def _sensor_kind(row: Row[Any]) -> StoredSensorKind:
