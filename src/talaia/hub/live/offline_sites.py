@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 __all__ = ["ImportedSites", "OfflineSites"]
 
 _LOG = logging.getLogger(__name__)
-# Why, and where it is, is for admins.
+# More at once would wait for the history's one writing connection all the same.
 _AT_ONCE = 32
+# Why, and where it is, is for admins.
 _HISTORY_AWAY = "its history is on a server that is away, and its gateway has not connected"
 
 
