@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import struct
 from fractions import Fraction
 
 import av
@@ -111,6 +112,54 @@ def test_what_a_film_s_tables_say_wrongly_is_refused_and_nothing_else_happens(fi
         assert int((index.offsets + index.sizes).max()) <= told.size
         assert ((index.keys >= 0) & (index.keys <= np.arange(len(index.keys)))).all()
     assert refused > 300
+
+
+def box(kind: bytes, *parts: bytes) -> bytes:
+    body = b"".join(parts)
+    return struct.pack(">I4s", 8 + len(body), kind) + body
+
+
+def words(*numbers: int) -> bytes:
+    return struct.pack(f">{len(numbers)}I", *numbers)
+
+
+def tables_of(pictures: int, size: int, at: int) -> bytes:
+    """Tables of pictures that all lie at one place, of which only the first is whole."""
+    head = box(b"avcC", b"\x01\x42\xc0\x1e\xff")
+    form = box(b"avc1", bytes(78), head)
+    tables = box(
+        b"stbl",
+        box(b"stsd", words(0, 1), form),
+        box(b"stts", words(0, 1, pictures, 100)),
+        box(b"stsz", words(0, size, pictures)),
+        box(b"stsc", words(0, 1, 1, 1, 1)),
+        box(b"stco", words(0, pictures), words(*[at] * pictures)),
+        box(b"stss", words(0, 1, 1)),
+    )
+    return box(b"trak", box(b"mdia", box(b"mdhd", words(0, 0, 0, 1000, 0)), box(b"minf", tables)))
+
+
+def test_pictures_that_lie_upon_each_other_are_refused() -> None:
+    # A small file would be an answer of any size.
+    assert len(read_index(tables_of(10, 100, 5000), 6000).sizes) == 10
+    with pytest.raises(RecordingUnreadable, match="shorter"):
+        read_index(tables_of(100, 1000, 5000), 6000)
+
+
+async def test_between_two_whole_pictures_stands_no_more_than_an_answer_holds(
+    tmp_path, film
+) -> None:
+    _, told = film
+    tables = box(b"moov", tables_of(30, 400_000, 1000))
+    file = tmp_path / "recordings" / "agv" / "film1.mp4"
+    file.parent.mkdir(parents=True)
+    # 30 times 400 kB at one place, in a file that has room for them.
+    file.write_bytes(tables + bytes(12_100_000 - len(tables)))
+    pictures = FilmPictures(LocalFolder(tmp_path))
+    told = told._replace(size=file.stat().st_size)
+    assert len((await pictures.find_picture(told, BEGIN_US)).data) == 1
+    with pytest.raises(RecordingUnreadable, match="too much"):
+        await pictures.find_picture(told, BEGIN_US + 9_000_000)
 
 
 async def test_a_file_that_is_no_film_is_said_to_be_none(tmp_path, film) -> None:

@@ -105,7 +105,7 @@ def _read_index(data: memoryview, file_size: int) -> FilmIndex:
         raise RecordingUnreadable(_BROKEN)
     times_us = (np.concatenate([[0], ticks[:-1]]) * 1_000_000 + scale // 2) // scale
     offsets = _read_offsets(data, known, sizes)
-    if int((offsets + sizes).max()) > file_size:
+    if int((offsets + sizes).max()) > file_size or int(sizes.sum()) > file_size:
         raise RecordingUnreadable("the film is shorter than its tables say")
     return FilmIndex(codec, description, times_us, _read_keys(data, known, count), offsets, sizes)
 

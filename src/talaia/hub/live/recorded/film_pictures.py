@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["FilmPictures", "FoundPicture"]
 
-# Films whose tables are held; those of ten minutes at 30 Hz take half a megabyte.
-_MOST_INDEXES = 24
+# Films whose tables are held, and pictures of all of them: each takes 32 bytes.
+_MOST_INDEXES, _MOST_PICTURES = 24, 1_500_000
 # The tables of ten minutes stand in so many first bytes; of a longer film the rest is read.
 _FIRST_BYTES = 256 * 1024
 # More than the tables of any film take, and than what stands between two whole pictures.
@@ -78,9 +78,13 @@ class FilmPictures:
         if index is None:
             index = self._indexes[key] = await _load_index(file)
         self._indexes.move_to_end(key)
-        while len(self._indexes) > _MOST_INDEXES:
+        while len(self._indexes) > 1 and self._holds_too_much():
             self._indexes.popitem(last=False)
         return index
+
+    def _holds_too_much(self) -> bool:
+        pictures = sum(len(index.sizes) for index in self._indexes.values())
+        return len(self._indexes) > _MOST_INDEXES or pictures > _MOST_PICTURES
 
 
 async def _load_index(file: OpenFile) -> FilmIndex:
@@ -102,7 +106,8 @@ async def _read_picture(
     offsets, sizes = index.offsets[first:after].tolist(), index.sizes[first:after].tolist()
     places = list(zip(offsets, sizes, strict=True))
     begin, end = min(at for at, _ in places), max(at + size for at, size in places)
-    if end - begin > _MOST_BYTES:
+    # Tables can have pictures lie upon each other.
+    if max(end - begin, sum(sizes)) > _MOST_BYTES:
         raise RecordingUnreadable("too much stands between two whole pictures of the film")
     data = await file.read_part(begin, end - begin)
     if len(data) < end - begin:
