@@ -168,6 +168,7 @@ async def test_every_answer_is_declared_and_none_is_a_failure(unhurried, world) 
     # Metrics and Socket.IO are shut until an admin opens them, whoever asks.
     # These sites do not observe by themselves; see `test_observing`.
     # And no test asks Google; see `test_maps`.
+    # The file of its film has no pictures; see `test_film_pictures`.
     # No detector is at work there, so nothing is known of one; see `test_cause_pages`.
     assert unreached <= {
         ("DELETE", "/api/sites/{site}/causes/known/{known}"),
@@ -178,6 +179,7 @@ async def test_every_answer_is_declared_and_none_is_a_failure(unhurried, world) 
         ("GET", "/socket.io/"),
         ("GET", "/api/sites/{site}/night/forecast"),
         ("GET", "/api/sites/{site}/night/week"),
+        ("GET", "/api/sites/{site}/films/{recording}/picture"),
     }
 
 
