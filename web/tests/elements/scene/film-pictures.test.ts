@@ -14,7 +14,7 @@ const KEY = "/front/camera_info";
 const FRONT = new Map([[KEY, "base/front"]]);
 
 const film = (fromS: number, toS: number, more: Partial<FilmShape> = {}): FilmShape =>
-  ({ id: `film${String(fromS)}`, stream: "base/front", state: "complete", begin_us: BEGIN + fromS * S, end_us: BEGIN + toS * S, pictures: 10, size: 10, have: 10, why: "", who: "", note: "", ...more }) as FilmShape;
+  ({ id: `film${String(fromS)}`, stream: "base/front", state: "complete", begin_us: BEGIN + fromS * S, end_us: BEGIN + toS * S, pictures: 10, size: 10, have: 10, why: "", who: "", note: "", ...more });
 const listOf = (films: readonly FilmShape[], more: Partial<FilmListShape> = {}): FilmListShape => ({ films, more: false, unfilmed: [], filming: [], may_film: false, why_not: "", ...more });
 
 /** A picture each second, each of them whole: its byte is its second. */

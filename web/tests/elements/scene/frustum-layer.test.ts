@@ -10,7 +10,7 @@ const RECORDED = JSON.parse(readFileSync(new URL("../../scene/recorded.json", im
 it("shows a picture faded that is not of the moment, whether older or of a later one", () => {
   const info = readCameraInfo(new MessageReader(Uint8Array.from(atob(RECORDED["camera_info"] ?? ""), (letter) => letter.charCodeAt(0)), "cdr"));
   const image = { width: 4, height: 4 } as ImageBitmap;
-  const drawn = drawFrustum({ shape: "camera", info, picture: { image, timeUs: 1, heardMs: 10_000, rectified: false } }, { accent: 0xffffff, night: false });
+  const drawn = drawFrustum({ shape: "camera", info, picture: { image, timeUs: 1, heardMs: 10_000, rectified: false } }, { accent: "#ffffff", night: false });
   const faded = [1000, 9000, 11_000, 13_000].map((nowMs) => {
     fadeFrustum(drawn, nowMs);
     return (picturePart(drawn) as Mesh<never, MeshBasicMaterial>).material.opacity < 1;
