@@ -2,6 +2,8 @@
 
 A permission is a right on a whole site or on one device. Roles hold permissions as data. What a
 description marks as public is seen by everyone who is signed in, without any permission.
+
+Long, because who may have what is decided in one place.
 """
 
 from __future__ import annotations
