@@ -106,28 +106,40 @@ async def test_the_film_of_the_moment_stands_in_its_cameras_frustum(space, hub, 
     # What the hub knows of it does not need the robot.
     await gateway.close()
     operator = await hub.client("operator")
-    tile = {
-        "id": "t0", "type": "scene", "title": "", "settings": {"lists": True},
-        "desktop": None, "phone": None,
-    }  # fmt: skip
-    board = {"name": "Past", "note": "", "site": "agv", "kind": "", "device": "", "tiles": [tile]}
+    kinds = {"scene": {"lists": True}, "camera": {"stream": "camera/front"}}
+    tiles = [
+        {
+            "id": kind,
+            "type": kind,
+            "title": "",
+            "settings": settings,
+            "desktop": None,
+            "phone": None,
+        }
+        for kind, settings in kinds.items()
+    ]
+    board = {"name": "Past", "note": "", "site": "agv", "kind": "", "device": "", "tiles": tiles}
     key = (await operator.post("/api/boards", json={"board": board})).json()["key"]
     page = await sign_in(space, hub, "operator", to=f"/boards/{key}?at=2026-01-01T12:00:15Z")
     await page.locator(f"[data-topic='{INFO}']").check()
     await until_answered(lambda: page.evaluate(f"{DRAWN}('{INFO}').points.length === 4"))
     await until_quarters_are(page, INFO, QUARTERS)
+    beside = page.locator("t-film-view")
+    await expect(beside).to_contain_text("13:00:15")
 
     # Ten seconds later by the same bar as all of the board, in the film's second half.
     slider = page.locator("t-time-bar").get_by_role("slider", name="Moment")
     for _ in range(10):
         await slider.press("ArrowRight")
     await until_quarters_are(page, INFO, OTHERS)
+    await expect(beside).to_contain_text("13:00:25")
 
     # Beyond the film it is taken away, and the list says why.
     for _ in range(10):
         await slider.press("ArrowRight")
     row = page.locator("label", has=page.locator(f"[data-topic='{INFO}']"))
     await expect(row).to_contain_text("No film of this moment")
+    await expect(beside).to_contain_text("No film of this moment")
     for _ in range(10):
         await slider.press("ArrowLeft")
     await expect(row).not_to_contain_text("No film of this moment")

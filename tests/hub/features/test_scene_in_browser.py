@@ -331,7 +331,9 @@ async def shows_colour(page, place, colour) -> bool:
     """Tell whether a place (px) of the scene has a colour: bright, or faded since it is old."""
     from PIL import Image
 
-    picture = Image.open(io.BytesIO(await page.locator("canvas").screenshot())).convert("RGB")
+    picture = Image.open(io.BytesIO(await page.locator("t-scene canvas").screenshot())).convert(
+        "RGB"
+    )
     pixel = np.array(picture.getpixel((int(place[0]), int(place[1]))), int)
     return (pixel > pixel.min() + 25).tolist() == (np.array(colour) > 100).tolist()
 
