@@ -7,7 +7,7 @@ import os
 
 import pytest
 import pytest_asyncio
-from browser_program import FLAGS, find_browser
+from browser_program import FLAGS, SPACE_FLAGS, find_browser
 from patience import PATIENCE_MS
 
 from talaia.web import static_dir
@@ -73,6 +73,18 @@ async def chromium(_browser):
     yield _browser
     for context in _browser.contexts:
         await context.close()
+
+
+@pytest.fixture
+async def space():
+    """Give a Chromium that draws in space by software."""
+    program = program_or_skip()
+    from playwright.async_api import async_playwright
+
+    async with async_playwright() as play:
+        running = await play.chromium.launch(executable_path=program, args=SPACE_FLAGS)
+        yield running
+        await running.close()
 
 
 async def sign_in(

@@ -65,6 +65,7 @@ from .chromium import (  # noqa: F401 - fixtures of every test of the hub
     _browser,
     _function_scoped_runner,
     chromium,
+    space,
 )
 from .databases import (  # noqa: F401 - fixtures of every test of the hub
     database,

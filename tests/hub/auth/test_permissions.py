@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.hub.auth.permissions import Grants, Permission, Right
+from talaia.hub.auth.permissions import Grants, Permission, Right, seen_camera
+from talaia.model.yaml_text.load import load_site
 
 PLACES = [("*", "*"), ("agv", "*"), ("agv", "base")]
 
@@ -30,3 +31,28 @@ def test_what_is_left_of_two_rights_is_never_more_than_either(ours, theirs, plac
             right, "agv", "base"
         )
         assert left.has_right(right, "agv", "base") == expected
+
+
+def test_a_calibration_names_its_camera_to_whoever_may_see_it() -> None:
+    site = load_site(
+        """
+talaia: 1
+site: agv
+name: A
+ros2: {}
+devices:
+  base:
+    name: Base
+    streams: {front: {name: Front, source: {topic: /front/image, type: sensor_msgs/msg/Image}}}
+  gate: {name: Gate}
+"""
+    )
+
+    def named(right: Right, device: str, topic: str = "/front/camera_info") -> str:
+        grants = Grants(frozenset({Permission(right, "agv", device)}))
+        return seen_camera(grants, site, topic, "sensor_msgs/msg/CameraInfo")
+
+    assert named(Right.VIEW, "base") == "base/front"
+    # Raw topics are another right, and another device has other cameras.
+    assert named(Right.TAP, "*") == named(Right.VIEW, "gate") == ""
+    assert named(Right.VIEW, "base", "/rear/camera_info") == ""

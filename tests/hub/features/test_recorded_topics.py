@@ -11,6 +11,8 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from talaia.wire.browser import SiteUpdate
+
 from ..conftest import DESCRIPTION
 from .test_recordings import files
 
@@ -25,6 +27,7 @@ topics:
 AT = "/api/sites/agv/recorded-topics"
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 ODOM = "nav_msgs/msg/Odometry"
+CALIBRATION = "/front/camera_info"
 
 
 def odometry(x):
@@ -59,6 +62,9 @@ def foreign_bag(tmp_path, seconds=30):
         for n in range(5 * seconds):
             bag.write(odom, (BEGIN_US + n * 200_000) * 1000, odometry(n / 5))
         bag.write(secret, BEGIN_US * 1000, b"\0\1\0\0" + struct.pack("<I", 3) + b"ha\0")
+        kind = "sensor_msgs/msg/CameraInfo"
+        calibration = bag.add_connection(CALIBRATION, kind, typestore=STORE)
+        bag.write(calibration, BEGIN_US * 1000, b"\0\1\0\0")
     return next(folder.glob("*.mcap")).read_bytes()
 
 
@@ -66,7 +72,9 @@ def foreign_bag(tmp_path, seconds=30):
 async def looked_back(hub, tmp_path):
     """Give a hub with one recording of half a minute, and a gateway that is there."""
     gateway = await hub.gateway()
-    await gateway.hello(DESCRIPTION + RULES)
+    # Beside the calibration in its namespace.
+    await gateway.hello(DESCRIPTION.replace("topic: /images", "topic: /front/images") + RULES)
+    hub.linked = gateway
     bag = foreign_bag(tmp_path)
     link = await files(hub)
     done = await link.bring(bag, begin_us=BEGIN_US, end_us=BEGIN_US + 30 * SECOND_US)
@@ -114,9 +122,18 @@ async def test_topic_that_a_person_may_not_have_is_as_if_it_were_not_recorded(lo
     assert [topic["topic"] for topic in mine["topics"]] == ["/odom"]
     assert (await asked(looked_back, "/messages", **stretch))["messages"] == []
     theirs = await asked(looked_back, "", "admin", **moment)
-    assert [topic["topic"] for topic in theirs["topics"]] == ["/odom", "/secret"]
+    assert [topic["topic"] for topic in theirs["topics"]] == [CALIBRATION, "/odom", "/secret"]
     told = await asked(looked_back, "/messages", "admin", **stretch)
     assert [json.loads(message["tree"]) for message in told["messages"]] == [{"data": "ha"}]
+
+
+async def test_calibration_names_its_camera_also_while_the_gateway_is_away(looked_back) -> None:
+    await looked_back.linked.close()
+    page = await looked_back.page("admin")
+    await page.hear(SiteUpdate, lambda site: not site.online)
+    moment = await asked(looked_back, "", "admin", at_us=BEGIN_US + SECOND_US)
+    cameras = {topic["topic"]: topic["camera"] for topic in moment["topics"]}
+    assert cameras == {CALIBRATION: "camera/front", "/odom": "", "/secret": ""}
 
 
 async def test_beyond_what_was_recorded_the_nearest_recording_is_named(looked_back) -> None:

@@ -8,10 +8,9 @@ import math
 
 import numpy as np
 import pytest
-from browser_program import SPACE_FLAGS
 from described_robot import found_of, read_robot
 from patience import PATIENCE_S, until_answered
-from playwright.async_api import async_playwright, expect
+from playwright.async_api import expect
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
@@ -23,7 +22,7 @@ from talaia.sim.vehicle.world import World
 from talaia.wire import frames
 from talaia.wire.frames import TapMessage, TapSchema, TapSubscription, TopicEntry, TopicList
 
-from ..chromium import program_or_skip, sign_in
+from ..chromium import sign_in
 from ..conftest import DESCRIPTION
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(90)]
@@ -213,16 +212,6 @@ def house():
     return world, ranges, house_messages(world, ranges)
 
 
-@pytest.fixture
-async def space():
-    """Give a Chromium that draws in space by software."""
-    program = program_or_skip()
-    async with async_playwright() as play:
-        running = await play.chromium.launch(executable_path=program, args=SPACE_FLAGS)
-        yield running
-        await running.close()
-
-
 # What a topic shows in the scene's element, within whatever shadows that stands.
 DRAWN = """((topic) => {
   const look = (root) => {
@@ -324,8 +313,14 @@ async def picture_stands_in_its_frustum(page, robot) -> None:
     turn = Rotation.from_euler("z", YAW)
     expected = turn.apply(OPTICAL.apply(seen) + CAMERA_AT) + np.array([*BASE, 0.0])
     assert np.abs(corners - expected).max() < 0.002
+    await until_quarters_are(page, info, QUARTERS)
+
+
+async def until_quarters_are(page, info, quarters) -> None:
+    """Wait until the picture in a camera's frustum has these colours, each in its quarter."""
+    found = await page.evaluate(f"{DRAWN}('{info}')")
     places = np.array([(place["x"], place["y"]) for place in found["px"]])
-    for at, colour in enumerate(QUARTERS):
+    for at, colour in enumerate(quarters):
         right, down = 0.25 + 0.5 * (at % 2), 0.25 + 0.5 * (at // 2)
         shares = np.array([(1 - right) * (1 - down), right * (1 - down), (1 - right) * down])
         place = shares @ places[:3] + right * down * places[3]
@@ -336,7 +331,9 @@ async def shows_colour(page, place, colour) -> bool:
     """Tell whether a place (px) of the scene has a colour: bright, or faded since it is old."""
     from PIL import Image
 
-    picture = Image.open(io.BytesIO(await page.locator("canvas").screenshot())).convert("RGB")
+    picture = Image.open(io.BytesIO(await page.locator("t-scene canvas").screenshot())).convert(
+        "RGB"
+    )
     pixel = np.array(picture.getpixel((int(place[0]), int(place[1]))), int)
     return (pixel > pixel.min() + 25).tolist() == (np.array(colour) > 100).tolist()
 

@@ -2637,6 +2637,7 @@ export interface RecordedTopicShape {
   readonly problem: string;
   readonly begin_us: number;
   readonly end_us: number;
+  readonly camera?: string;
 }
 
 /** Messages of a stretch of time, by time, and the last ones before it. */

@@ -21,9 +21,22 @@ export interface PlainPicture extends MessageHeader {
 }
 
 /** Where the pictures of a calibrated camera come from. */
-export type PictureSource =
-  | { readonly from: "stream"; readonly stream: string }
-  | { readonly from: "topic"; readonly topic: string; readonly packed: boolean; readonly rectified: boolean };
+export type PictureSource = StreamSource | TopicSource;
+
+interface StreamSource {
+  readonly from: "stream";
+  /** `device/stream` */
+  readonly stream: string;
+  /** What stands in its place where it has no pictures, such as at a moment without a film. */
+  readonly beside: TopicSource | null;
+}
+
+interface TopicSource {
+  readonly from: "topic";
+  readonly topic: string;
+  readonly packed: boolean;
+  readonly rectified: boolean;
+}
 
 interface ListedTopic {
   readonly topic: string;
@@ -40,7 +53,11 @@ const MOST_SIDE = 16_384;
 
 /** Of the pictures beside a calibration, by ROS's convention in the same namespace, those that cost the line least; null: there are none that one may have. */
 export function choosePicture(info: ListedTopic, topics: readonly ListedTopic[]): PictureSource | null {
-  if (info.camera !== undefined && info.camera !== "") return { from: "stream", stream: info.camera };
+  const beside = chooseTopic(info, topics);
+  return info.camera === undefined || info.camera === "" ? beside : { from: "stream", stream: info.camera, beside };
+}
+
+function chooseTopic(info: ListedTopic, topics: readonly ListedTopic[]): TopicSource | null {
   const space = spaceOf(info.topic);
   const beside = topics.filter(({ topic, type, problem }) => problem === "" && (type === PACKED || type === PLAIN) && pictureSpace(topic) === space);
   const found = beside.find(({ type }) => type === PACKED) ?? beside[0];

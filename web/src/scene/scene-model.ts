@@ -151,18 +151,18 @@ export class SceneModel {
     this.showCamera(topic, picture?.heardMs ?? this.nowMs());
   }
 
-  /** Forgets what a topic said: it is not shown any more. */
-  forget(topic: string): void {
+  /** Forgets what a topic said: it is not shown any more. `keepsPicture`: its picture did not come with it. */
+  forget(topic: string, keepsPicture = false): void {
     this.calibrations.delete(topic);
-    this.setPicture(topic, null);
+    if (!keepsPicture) this.setPicture(topic, null);
     this.layers.delete(topic);
     this.trails.delete(topic);
     this.markers.delete(topic);
   }
 
-  /** Forgets all but the robot's form: another moment is shown. */
-  reset(): void {
-    for (const topic of [...this.pictures.keys(), ...this.calibrations.keys()]) this.forget(topic);
+  /** Forgets all but the robot's form, and the pictures of which whoever shows them knows the moment: another one is shown. */
+  reset(keepsPicture: (topic: string) => boolean = () => false): void {
+    for (const topic of [...this.pictures.keys(), ...this.calibrations.keys()]) this.forget(topic, keepsPicture(topic));
     this.tree.clear();
     this.layers.clear();
     this.trails.clear();

@@ -25,7 +25,10 @@ describe("the pictures of a calibration", () => {
   });
 
   it("are a described camera's where there is one: that line is the cheapest, and blurs what it must", () => {
-    expect(choosePicture(listed("/front/camera_info", "info", { camera: "base/front" }), [listed("/front/image_raw/compressed", "packed")])).toEqual({ from: "stream", stream: "base/front" });
+    expect(choosePicture(listed("/front/camera_info", "info", { camera: "base/front" }), [listed("/front/image_raw/compressed", "packed")])).toEqual({
+      from: "stream", stream: "base/front", beside: { from: "topic", topic: "/front/image_raw/compressed", packed: true, rectified: false },
+    });
+    expect(choosePicture(listed("/front/camera_info", "info", { camera: "base/front" }), [])).toMatchObject({ beside: null });
   });
 
   it("are not another camera's, nor what cannot be had", () => {

@@ -2,6 +2,8 @@
 
 A permission is a right on a whole site or on one device. Roles hold permissions as data. What a
 description marks as public is seen by everyone who is signed in, without any permission.
+
+Long, because who may have what is decided in one place.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from talaia.model.topics import (
     TopicRight,
     blurred_cameras,
     blurred_topics,
+    calibrated_cameras,
     carries_pictures,
     rule_of,
 )
@@ -30,6 +33,7 @@ __all__ = [
     "Right",
     "Who",
     "may_tap",
+    "seen_camera",
     "sees_device",
     "sees_signal",
     "sees_site",
@@ -229,6 +233,23 @@ def sees_stream(grants: Grants, site: Site, device: str, stream: str) -> bool:
     if found is None:
         return False
     return found.visibility is Visibility.PUBLIC or grants.has_right(Right.VIEW, site.site, device)
+
+
+def seen_camera(grants: Grants, site: Site, topic: str, type_name: str) -> str:
+    """Name the described camera, ``device/stream``, that a calibration's topic speaks of.
+
+    Args:
+        grants: the person's.
+        site: the description.
+        topic: absolute name.
+        type_name: of its messages.
+
+    Returns:
+        The first one that the person may see; empty where there is none.
+
+    """
+    cameras = calibrated_cameras(site, topic, type_name)
+    return next((one for one in cameras if sees_stream(grants, site, *one.split("/", 1))), "")
 
 
 def sees_unblurred(grants: Grants, site: Site, device: str, stream: str) -> bool:

@@ -1,28 +1,18 @@
-/** The live pictures of cameras that a scene shows: of described streams over their media sockets, decoded one at a time. */
+/** The live pictures of described cameras that a scene shows, over their media sockets. */
 
 import { msg } from "@lit/localize";
-import type { PackedPicture, PlainPicture } from "../../scene/picture-messages.js";
-import type { ScenePicture } from "../../scene/scene-model.js";
+import type { PictureListener, StreamPictures } from "../../scene/stream-pictures.js";
 import { PageRest } from "../../topics/page-rest.js";
 import { mediaPath } from "../../wire/media-socket.js";
-import { decodePicture, JpegStream } from "../camera/jpeg-stream.js";
-
-export interface PictureListener {
-  /** `key` is what the picture was asked for by; null: what was shown is not true any more. */
-  readonly onPicture: (key: string, picture: ScenePicture | null) => void;
-  /** Why no picture comes; empty when nothing is wrong. */
-  readonly onTrouble: (key: string, why: string) => void;
-}
+import { JpegStream } from "../camera/jpeg-stream.js";
 
 interface OpenStream {
   readonly stream: string;
   pictures: JpegStream | null;
 }
 
-export class CameraPictures {
+export class CameraPictures implements StreamPictures {
   private readonly streams = new Map<string, OpenStream>();
-  /** Keys whose picture is being decoded; what comes meanwhile is left out. */
-  private readonly decoding = new Set<string>();
   private readonly rest = new PageRest({
     onRest: () => {
       for (const [key, open] of this.streams) {
@@ -34,17 +24,15 @@ export class CameraPictures {
       for (const [key, { pictures }] of this.streams) if (pictures === null) this.connect(key);
     },
   });
-  private closed = false;
 
   constructor(
     private readonly site: string,
-    private readonly listener: PictureListener,
+    private readonly listener: Pick<PictureListener, "onPicture" | "onTrouble">,
     private readonly openSocket?: (url: string) => WebSocket,
   ) {
     this.rest.watch();
   }
 
-  /** Shows the pictures of these streams and no others. */
   followStreams(wanted: ReadonlyMap<string, string>): void {
     for (const [key, { stream }] of this.streams) if (wanted.get(key) !== stream) this.end(key);
     for (const [key, stream] of wanted) {
@@ -54,26 +42,7 @@ export class CameraPictures {
     }
   }
 
-  /** Shows a picture that came as a message. */
-  async showMessage(key: string, picture: PackedPicture | PlainPicture, heardMs: number, rectified: boolean): Promise<void> {
-    if (this.decoding.has(key)) return;
-    this.decoding.add(key);
-    try {
-      const image =
-        picture.form === "packed"
-          ? await decodePicture(picture.data, picture.mime)
-          : await createImageBitmap(new ImageData(picture.pixels, picture.width, picture.height));
-      if (this.closed) image.close();
-      else this.listener.onPicture(key, { image, timeUs: picture.timeUs, heardMs, rectified });
-    } catch {
-      this.listener.onTrouble(key, msg("A picture came that cannot be decoded."));
-    } finally {
-      this.decoding.delete(key);
-    }
-  }
-
   close(): void {
-    this.closed = true;
     this.rest.close();
     for (const key of [...this.streams.keys()]) this.end(key);
   }

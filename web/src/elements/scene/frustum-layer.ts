@@ -45,10 +45,10 @@ export function redrawFrustum(object: Object3D, content: LayerContent): boolean 
   return true;
 }
 
-/** What has grown old meanwhile is shown so. */
+/** What has grown old meanwhile is shown so, and what is of a later moment than the one that is shown. */
 export function fadeFrustum(object: Object3D, nowMs: number): void {
   const parts = partsOf(object);
-  if (parts !== null) parts.plane.material.opacity = nowMs - parts.heardMs > OLD_MS ? FADED : 1;
+  if (parts !== null) parts.plane.material.opacity = Math.abs(nowMs - parts.heardMs) > OLD_MS ? FADED : 1;
 }
 
 /** What shows the picture; null of what is no frustum. */

@@ -14,6 +14,7 @@ import type { TopicTable } from "../../generated/api.js";
 import type { CloudColour } from "../../scene/cloud.js";
 import type { FrameRow } from "../../scene/frame-tree.js";
 import type { FloorPose } from "../../scene/pose-command.js";
+import type { OpenPictures } from "../../scene/stream-pictures.js";
 import { chooseFixedFrame, chooseRobotFrame, isSwitched } from "../../scene/scene-topics.js";
 import type { Vector } from "../../scene/transform.js";
 import { apiContext, socketsContext } from "../../state/contexts.js";
@@ -21,11 +22,14 @@ import type { PastBoard } from "../../state/past/past-board.js";
 import { bytesOver, type OpenBytes } from "../../topics/byte-topics.js";
 import { openPastBytes } from "../../topics/past-bytes.js";
 import { TopicsApi } from "../../topics/topics-api.js";
+import { FilmPicturesApi, FilmsApi } from "../../wire/films-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { base } from "../base/base-style.js";
 import { renderLoaded } from "../feedback/load-state.js";
 import { control } from "../forms/input-style.js";
+import { CameraPictures } from "./camera-pictures.js";
 import type { SceneDrawing } from "./drawing.js";
+import { FilmPictures } from "./film-pictures.js";
 import { sceneColours } from "./scene-colours.js";
 import { lengthOf, ScenePointer, type ScenePreview } from "./scene-pointer.js";
 import { SceneSession, type SceneTopic, type SceneTopicEntry } from "./scene-session.js";
@@ -142,7 +146,7 @@ export class SceneElement extends LitElement {
     this.session ??= new SceneSession(site, listener, {
       open: this.past === null ? (this.openTopic ?? bytesOver(this.sockets)) : openPastBytes(this.past, this.onPastReset),
       nowMs: this.past?.nowMs,
-      openSocket: this.sockets,
+      openPictures: this.picturesOf(api, this.past),
     });
     this.session.setTopics(this.known.topics, this.topics);
   }
@@ -176,6 +180,13 @@ export class SceneElement extends LitElement {
     if (!gone) this.known = moment;
     if (gone && !this.unrecorded) this.session?.reset();
     this.unrecorded = gone;
+  }
+
+  /** Live pictures, or those of films. */
+  private picturesOf(api: HubApi, past: PastBoard | null): OpenPictures {
+    const { site, sockets } = this;
+    if (past === null) return (listener) => new CameraPictures(site, listener, sockets);
+    return (listener) => new FilmPictures({ site, past, lists: new FilmsApi(api), pictures: new FilmPicturesApi(api) }, listener);
   }
 
   private renderPastEmpty(past: PastBoard): TemplateResult {
@@ -367,8 +378,7 @@ export class SceneElement extends LitElement {
     const { session, past } = this;
     if (session === null || past === null) return;
     if (past.jumps === this.resetJumps) {
-      session.model.forget(topic);
-      this.drawing?.schedule();
+      session.forget(topic);
     } else session.reset();
     this.resetJumps = past.jumps;
   };

@@ -2,7 +2,7 @@
 
 import { html, type TemplateResult } from "lit";
 import type { FilmShape } from "../../generated/api.js";
-import type { CameraFilms } from "../../tiles/camera/film-search.js";
+import type { CameraFilms } from "../../state/past/film-search.js";
 import type { GalleryEntry } from "./entry.js";
 import "../../tiles/camera/blur-button.js";
 import "../../tiles/camera/film-view.js";

@@ -11,23 +11,14 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { adviceFor } from "../../format/error-advice.js";
 import type { FilmListShape, StreamShape } from "../../generated/api.js";
-import { HOUR_US, MINUTE_US } from "../../series/zone-clock.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { FilmsApi } from "../../wire/films-api.js";
-import { filmsByCamera, filmStateAt, type CameraFilms } from "../camera/film-search.js";
+import { filmsByCamera, filmSpanAround, filmStateAt, type CameraFilms } from "../../state/past/film-search.js";
 import "../../elements/base/icon.js";
 import "../../elements/feedback/loading.js";
 import "../camera/film-view.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
-
-/**
- * Films are listed for stretches of this length (µs), and one more on each side: who moves about in an hour finds
- * the film of a moment in what is known, and its file is asked for at once. Shorter ones where a list has not room
- * for so many films.
- */
-const STRETCH_US = HOUR_US;
-const SHORT_STRETCH_US = 10 * MINUTE_US;
 
 @customElement("t-tile-films")
 export class FilmBoardTile extends LitElement {
@@ -64,17 +55,16 @@ export class FilmBoardTile extends LitElement {
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   private readonly watched = new StoreController(this);
   private readonly list = new LoadController<FilmListShape>(this);
-  private stretchUs = STRETCH_US;
+  private isDense = false;
 
   override willUpdate(): void {
     const { api, context } = this;
     const past = context?.past ?? null;
     this.watched.setStore(past);
     if (api === undefined || context === null || past === null || !past.isSettled) return;
-    if (this.list.value?.more === true) this.stretchUs = SHORT_STRETCH_US;
-    const { stretchUs } = this;
-    const fromUs = (Math.floor(past.us / stretchUs) - 1) * stretchUs;
-    this.list.load(`${context.site} ${String(fromUs)}`, () => new FilmsApi(api).listFilms(context.site, fromUs, fromUs + 3 * stretchUs));
+    this.isDense ||= this.list.value?.more === true;
+    const { fromUs, toUs } = filmSpanAround(past.us, this.isDense);
+    this.list.load(`${context.site} ${String(fromUs)} ${String(toUs)}`, () => new FilmsApi(api).listFilms(context.site, fromUs, toUs));
   }
 
   override render(): unknown {

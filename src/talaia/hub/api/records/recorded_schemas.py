@@ -21,6 +21,11 @@ class RecordedTopicShape(BaseModel):
     problem: str = Field(description="why its messages cannot be read; empty: they can")
     begin_us: int = Field(description="of the recording that holds it")
     end_us: int
+    camera: str = Field(
+        default="",
+        description="of a calibration: the camera (`device/stream`) whose pictures it speaks of, "
+        "as the site is described now; empty where you may see none",
+    )
 
 
 class MomentShape(BaseModel):

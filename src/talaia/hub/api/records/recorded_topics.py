@@ -21,6 +21,7 @@ from talaia.hub.api.records.recorded_schemas import (
     RecordedTopicShape,
     StretchShape,
 )
+from talaia.hub.auth.permissions import seen_camera
 from talaia.hub.live.taps.cloud_thinning import CLOUD_TYPE, thin_cloud
 from talaia.hub.live.taps.message_tree import tree_reader
 from talaia.hub.live.taps.type_texts import MessageUnreadable
@@ -28,7 +29,7 @@ from talaia.wire.browser import MAX_RAW, MAX_TREE
 from talaia.wire.frames import TapSchema
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from talaia.clock import Clock
     from talaia.hub.live.recorded.recorded_topics import FoundTopic, ReadStretch, RecordedTopics
@@ -81,7 +82,7 @@ class RecordedTopicPages:
             live_of(request).description, who_of(request).grants, at_us
         )
         return MomentShape(
-            topics=[_topic_shape(topic) for topic in found.topics],
+            topics=_topic_shapes(request, found.topics),
             earlier_us=found.earlier_us,
             later_us=found.later_us,
             problems=[f"{name}: {why}" for name, why in found.problems.items()],
@@ -107,7 +108,7 @@ class RecordedTopicPages:
         )
         shapes, until_us = await asyncio.to_thread(_tree_shapes, stretch)
         return StretchShape(
-            topics=[_topic_shape(found) for found in stretch.topics],
+            topics=_topic_shapes(request, stretch.topics),
             messages=shapes,
             until_us=until_us,
         )
@@ -129,7 +130,8 @@ class RecordedTopicPages:
         stretch = await self._read(
             request, topic, rate, span=(from_us, to_us), most_bytes=_MOST_BYTES
         )
-        data = await asyncio.to_thread(_encode_bytes, stretch, points)
+        shapes = _topic_shapes(request, stretch.topics)
+        data = await asyncio.to_thread(_encode_bytes, stretch, shapes, points)
         return Response(data, media_type="application/msgpack", headers=STILL)
 
     async def _read(
@@ -173,16 +175,20 @@ class RecordedTopicPages:
         )
 
 
-def _topic_shape(found: FoundTopic) -> RecordedTopicShape:
-    topic = found.topic
-    return RecordedTopicShape(
-        topic=topic.topic,
-        type=topic.type,
-        latched=topic.latched,
-        problem=topic.problem,
-        begin_us=found.begin_us,
-        end_us=found.end_us,
-    )
+def _topic_shapes(request: Request, found: Sequence[FoundTopic]) -> list[RecordedTopicShape]:
+    description, grants = live_of(request).description, who_of(request).grants
+    return [
+        RecordedTopicShape(
+            topic=topic.topic,
+            type=topic.type,
+            latched=topic.latched,
+            problem=topic.problem,
+            begin_us=begin_us,
+            end_us=end_us,
+            camera=seen_camera(grants, description, topic.topic, topic.type),
+        )
+        for topic, begin_us, end_us in found
+    ]
 
 
 def _tree_shapes(stretch: ReadStretch) -> tuple[list[RecordedMessageShape], int]:
@@ -222,7 +228,7 @@ def _tree_of(read: Callable[[bytes], dict[str, object]] | None, message: Recorde
     return tree if len(tree) <= MAX_TREE else ""
 
 
-def _encode_bytes(stretch: ReadStretch, points: int) -> bytes:
+def _encode_bytes(stretch: ReadStretch, shapes: Sequence[RecordedTopicShape], points: int) -> bytes:
     topics = {found.topic.topic: found.topic for found in stretch.topics}
     messages = []
     for message in stretch.messages:
@@ -241,7 +247,7 @@ def _encode_bytes(stretch: ReadStretch, points: int) -> bytes:
                 )
             )
     answer = BytesAnswer(
-        topics=[_topic_shape(found).model_dump() for found in stretch.topics],
+        topics=[shape.model_dump() for shape in shapes],
         messages=messages,
         until_us=stretch.until_us,
     )

@@ -14,8 +14,8 @@ from talaia.hub.api.schemas.tap_schemas import (
     TopicShape,
     TopicTable,
 )
-from talaia.hub.auth.permissions import sees_stream
-from talaia.model.topics import TopicRight, calibrated_cameras
+from talaia.hub.auth.permissions import seen_camera
+from talaia.model.topics import TopicRight
 
 if TYPE_CHECKING:
     from talaia.hub.live.taps.tap_fanout import TapFanout
@@ -57,14 +57,7 @@ class TopicPages:
                     right=found.rule.right if found.rule else TopicRight.TAP,
                     device=found.rule.device if found.rule else "",
                     rate=found.rate,
-                    camera=next(
-                        (
-                            address
-                            for address in calibrated_cameras(description, found.topic, found.type)
-                            if sees_stream(grants, description, *address.split("/", 1))
-                        ),
-                        "",
-                    ),
+                    camera=seen_camera(grants, description, found.topic, found.type),
                 )
                 for found in self._taps.topics(site, grants)
             ],

@@ -5,7 +5,7 @@ import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import type { FilmListShape } from "../../../generated/api.js";
 import { LatestRequest } from "../data/latest-request.js";
-import { firstFilmMoment, isFilmed, nextFilmStart, filmsByCamera, type CameraFilms } from "../../../tiles/camera/film-search.js";
+import { firstFilmMoment, isFilmed, nextFilmStart, filmsByCamera, type CameraFilms } from "../../../state/past/film-search.js";
 import { nextSpeed, Playhead } from "../../../state/past/playhead.js";
 
 export interface FilmSource {

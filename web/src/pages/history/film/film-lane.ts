@@ -7,7 +7,7 @@ import { base } from "../../../elements/base/base-style.js";
 import type { ChartIndent } from "../../../elements/chart/chart-model.js";
 import { styled } from "../../../elements/base/style-directive.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
-import type { CameraFilms } from "../../../tiles/camera/film-search.js";
+import type { CameraFilms } from "../../../state/past/film-search.js";
 
 /** Narrower than this part of the window a film could not be hit. */
 const LEAST_PART = 0.004;

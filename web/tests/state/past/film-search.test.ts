@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { firstFilmMoment, isFilmed, nextFilmStart, pictureAt, filmsByCamera, filmStateAt, stepTime, type CameraFilms } from "../../../src/tiles/camera/film-search.js";
+import { firstFilmMoment, isFilmed, nextFilmStart, pictureAt, filmsByCamera, filmStateAt, stepTime, type CameraFilms } from "../../../src/state/past/film-search.js";
 import { nextSpeed, Playhead, SPEEDS } from "../../../src/state/past/playhead.js";
 import type { FilmListShape, FilmShape } from "../../../src/generated/api.js";
 

@@ -1,41 +1,7 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import { FilmStills, type FilmStill } from "../../../src/tiles/camera/film-stills.js";
+import { FilmStills, type FilmStill } from "../../../src/elements/camera/film-stills.js";
 import type { FilmPicture } from "../../../src/wire/films-api.js";
-
-/** Decodes nothing: each chunk's first byte is the picture. */
-class Decoder {
-  static made: Decoder[] = [];
-  state = "unconfigured";
-  broken = false;
-  private readonly waiting: number[] = [];
-
-  constructor(private readonly init: VideoDecoderInit) {
-    Decoder.made.push(this);
-  }
-
-  configure(): void {
-    this.state = "configured";
-  }
-
-  decode(chunk: { readonly data: Uint8Array }): void {
-    this.waiting.push(chunk.data[0] ?? -1);
-  }
-
-  flush(): Promise<void> {
-    for (const picture of this.waiting.splice(0)) {
-      const frame = { picture, close: () => open.delete(picture) };
-      open.add(picture);
-      this.init.output(frame as unknown as VideoFrame);
-    }
-    return Promise.resolve();
-  }
-
-  close(): void {
-    this.state = "closed";
-  }
-}
-
-const open = new Set<number>();
+import { DecoderOfBytes, MadeChunk, openFrames, settle } from "./made-decoder.js";
 
 /** Pictures come each second; each fifth is whole. */
 function pictureAt(us: number): FilmPicture {
@@ -74,22 +40,13 @@ function makeStills(): { stills: FilmStills; asked: Question[]; drawn: [number, 
   return { stills, asked, drawn, failed, pass };
 }
 
-async function settle(): Promise<void> {
-  for (let i = 0; i < 20; i += 1) await Promise.resolve();
-}
-
 describe("stills of films", () => {
   beforeEach(() => {
     vi.useFakeTimers();
-    vi.stubGlobal("VideoDecoder", Decoder);
-    vi.stubGlobal("EncodedVideoChunk", class {
-      readonly data: Uint8Array;
-      constructor({ data }: { data: Uint8Array }) {
-        this.data = data;
-      }
-    });
-    open.clear();
-    Decoder.made = [];
+    vi.stubGlobal("VideoDecoder", DecoderOfBytes);
+    vi.stubGlobal("EncodedVideoChunk", MadeChunk);
+    openFrames.clear();
+    DecoderOfBytes.made = [];
   });
   afterEach(() => {
     vi.unstubAllGlobals();
@@ -103,7 +60,7 @@ describe("stills of films", () => {
     asked[0]?.answer();
     await settle();
     expect(drawn).toEqual([[7, { film: "a", us: 7e6, untilUs: 8e6, beforeUs: 6e6 }]]);
-    expect([stills.isSettled, open.size]).toEqual([true, 0]);
+    expect([stills.isSettled, openFrames.size]).toEqual([true, 0]);
     pass(500);
     // Within the same picture nothing is asked for; of another film it is.
     stills.want("a", 7.9e6);
@@ -134,7 +91,7 @@ describe("stills of films", () => {
     await settle();
     // What comes late is not drawn over what is newer.
     expect(drawn.map(([picture]) => picture)).toEqual([8, 9]);
-    expect(Decoder.made.length).toBe(1);
+    expect(DecoderOfBytes.made.length).toBe(1);
   });
 
   test("what was asked for before it was cleared is never drawn", async () => {
@@ -143,7 +100,7 @@ describe("stills of films", () => {
     stills.clear();
     asked[0]?.answer();
     await settle();
-    expect([drawn, open.size, stills.shown]).toEqual([[], 0, null]);
+    expect([drawn, openFrames.size, stills.shown]).toEqual([[], 0, null]);
   });
 
   test("a film whose pictures cannot be had is told, once", async () => {

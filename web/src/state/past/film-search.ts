@@ -1,6 +1,8 @@
 /** Which film shows a moment, and what to say where none does. Pure. */
 
 import type { FilmListShape, FilmShape, UnfilmedShape } from "../../generated/api.js";
+import type { TimeSpan } from "../../series/time-window.js";
+import { HOUR_US, MINUTE_US } from "../../series/zone-clock.js";
 
 /** What there is of one camera. */
 export interface CameraFilms {
@@ -23,8 +25,23 @@ export type FilmState =
   /** No film of that time; the nearest before and after, if any in the window. */
   | { readonly kind: "none"; readonly before: FilmShape | null; readonly after: FilmShape | null; readonly filming: boolean };
 
+/**
+ * Films are listed for stretches of this length (µs), and one more on each side: who moves about in an hour finds
+ * the film of a moment in what is known, and its picture is asked for at once. Shorter ones where a list has not room
+ * for so many films.
+ */
+const STRETCH_US = HOUR_US;
+const SHORT_STRETCH_US = 10 * MINUTE_US;
+
 /** Pictures stand for so long after the last of a film (µs): none is cut off as it comes. */
 const LAST_US = 100_000;
+
+/** The time (µs) whose films are listed for a moment; `short`: a longer one has not room in a list. */
+export function filmSpanAround(us: number, short: boolean): TimeSpan {
+  const lengthUs = short ? SHORT_STRETCH_US : STRETCH_US;
+  const fromUs = (Math.floor(us / lengthUs) - 1) * lengthUs;
+  return { fromUs, toUs: fromUs + 3 * lengthUs };
+}
 
 /**
  * @param names of cameras by their address
