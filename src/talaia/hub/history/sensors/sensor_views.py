@@ -168,7 +168,7 @@ def show_sensors(
     with engine.connect() as connection:
         rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
         names = {row.address: row.view_name for row in rows}
-        anew = {row.address for row in rows if row.made_of} & {each.address for each in sensors}
+        anew = {row.address for row in rows if row.made_of} & {sensor.address for sensor in sensors}
         room = MOST_VIEWS - sum(bool(row.made_of) for row in rows)
         if not dialect_of(connection).is_server:
             held = select(func.count()).select_from(_sensor).where(_sensor.c.made_of != "")
