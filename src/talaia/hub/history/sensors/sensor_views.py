@@ -173,7 +173,9 @@ def show_sensors(
         if not dialect_of(connection).is_server:
             held = select(func.count()).select_from(_sensor).where(_sensor.c.made_of != "")
             room = min(room, MOST_IN_FILE - (connection.scalar(held) or 0))
-    wanted = sensors[: max(0, room + len(anew))]
+    # What has a view keeps one, however many there are of before.
+    there_first = sorted(sensors, key=lambda sensor: sensor.address not in anew)
+    wanted = there_first[: max(0, room) + len(anew)]
     for first in range(0, len(wanted), _AT_ONCE):
         if ended():
             return first
