@@ -1,5 +1,9 @@
 """Samples as a gateway sends them, and whether they are all there."""
 
+import asyncio
+
+from talaia.hub.store.history_servers.home_tables import OWN
+
 from ..samples import ALL, batch, rows_of, wanted
 
 ADDRESSES = ["base/x", "base/word"]
@@ -26,3 +30,23 @@ async def assert_whole(history, site, past):
     for channel, found in enumerate(series):
         assert rows_of(found) == wanted(rows_between(0, past), channel)
     assert await history.stored_below(site, "b") == past
+
+
+async def move_while_sending(history, homes, servers, first):
+    """Move a site to one server after the other while it sends from ``first`` on; up to where."""
+    sent, ended = first, asyncio.Event()
+
+    async def keep_sending() -> None:
+        nonlocal sent
+        while not ended.is_set():
+            await send(history, "agv", sent, sent + 7)
+            sent += 7
+
+    sending = asyncio.create_task(keep_sending())
+    for server in servers:
+        await homes.ask_move("agv", server, own=OWN)
+        await history.move_sites()
+        assert (await homes.find_home("agv")).server == server
+    ended.set()
+    await sending
+    return sent

@@ -1,6 +1,5 @@
 """Moves whose accounts are in a database of a server, as several hubs have them."""
 
-import asyncio
 import shutil
 
 import pytest
@@ -10,7 +9,7 @@ from talaia.hub.store.history_servers.home_tables import OWN
 
 from ...databases import database_with_tables, empty_database
 from .conftest import Place
-from .samples_sent import assert_whole, send
+from .samples_sent import assert_whole, move_while_sending, send
 from .test_site_move import move_until
 
 KINDS = [("postgresql", "mariadb"), ("mariadb", "postgresql")]
@@ -29,21 +28,7 @@ async def test_a_site_moves_there_and_back_while_it_is_written(place) -> None:
     async with place.opened() as (history, homes):
         await send(history, "agv", 0, 60)
         await send(history, "other", 0, 40)
-        sent, ended = 60, asyncio.Event()
-
-        async def keep_sending() -> None:
-            nonlocal sent
-            while not ended.is_set():
-                await send(history, "agv", sent, sent + 7)
-                sent += 7
-
-        sending = asyncio.create_task(keep_sending())
-        for server in ("east", OWN, "east"):
-            await homes.ask_move("agv", server, own=OWN)
-            await history.move_sites()
-            assert (await homes.find_home("agv")).server == server
-        ended.set()
-        await sending
+        sent = await move_while_sending(history, homes, ("east", OWN, "east"), 60)
         await assert_whole(history, "agv", sent)
         await assert_whole(history, "other", 40)
 

@@ -1,6 +1,5 @@
 """A site moves to another server while it is written: all of it is there, and once."""
 
-import asyncio
 import contextlib
 import itertools
 from contextlib import contextmanager
@@ -13,7 +12,7 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.home_tables import OWN, history_homes
 
 from ..samples import ALL, rows_of, wanted
-from .samples_sent import ADDRESSES, assert_whole, rows_between, send
+from .samples_sent import ADDRESSES, assert_whole, move_while_sending, rows_between, send
 
 
 async def test_a_site_moves_and_goes_on_there(place) -> None:
@@ -58,22 +57,7 @@ async def test_a_site_moves_back(place) -> None:
 async def test_what_is_sent_within_a_move_is_there_once(place) -> None:
     async with place.opened() as (history, homes):
         await send(history, "agv", 0, 50)
-        sent = 50
-        ended = asyncio.Event()
-
-        async def keep_sending() -> None:
-            nonlocal sent
-            while not ended.is_set():
-                await send(history, "agv", sent, sent + 7)
-                sent += 7
-
-        sending = asyncio.create_task(keep_sending())
-        for server in ("east", OWN, "east"):
-            await homes.ask_move("agv", server, own=OWN)
-            await history.move_sites()
-            assert (await homes.find_home("agv")).server == server
-        ended.set()
-        await sending
+        sent = await move_while_sending(history, homes, ("east", OWN, "east"), 50)
         await assert_whole(history, "agv", sent)
 
 
