@@ -47,6 +47,26 @@ function precompress(): Plugin {
   };
 }
 
+/** A name, and all that `next` leads to from it. */
+function reachFrom(name: string, next: (name: string) => readonly string[], found = new Set<string>()): Set<string> {
+  if (found.has(name)) return found;
+  found.add(name);
+  for (const other of next(name)) reachFrom(other, next, found);
+  return found;
+}
+
+interface Chunk {
+  readonly type: string;
+  readonly imports?: readonly string[];
+}
+
+/** The files that come with each of these, in one set. */
+function loadedWith(bundle: Readonly<Record<string, Chunk>>, files: readonly string[]): Set<string> {
+  const found = new Set<string>();
+  for (const file of files) reachFrom(file, (name) => bundle[name]?.imports ?? [], found);
+  return found;
+}
+
 function holdsFirstPage(chunk: { readonly moduleIds: readonly string[] }): boolean {
   return chunk.moduleIds.some((id) => FIRST_PAGES.some((page) => id.endsWith(page)));
 }
@@ -95,17 +115,12 @@ function wordsFirst(): Plugin {
     name: "talaia-words-first",
     apply: "build",
     generateBundle(_options, bundle) {
-      const visit = (name: string, next: (name: string) => readonly string[], seen = new Set<string>()): Set<string> => {
-        if (!seen.has(name)) next(seen.add(name) && name).forEach((other) => visit(other, next, seen));
-        return seen;
-      };
-      const loaded = (file: string): readonly string[] => (bundle[file]?.type === "chunk" ? bundle[file].imports : []);
       for (const chunk of Object.values(bundle)) {
         if (chunk.type !== "chunk") continue;
         const first = chunk.moduleIds.find((id) => /\/src\/main\.ts$|virtual:catalogue\/.+\/first$/.test(id) || id.endsWith(FRAME));
         if (first === undefined) continue;
-        const imported = visit(first, (id) => this.getModuleInfo(id)?.importedIds ?? []);
-        for (const file of visit(chunk.fileName, loaded)) {
+        const imported = reachFrom(first, (id) => this.getModuleInfo(id)?.importedIds ?? []);
+        for (const file of loadedWith(bundle, [chunk.fileName])) {
           const more = bundle[file]?.type === "chunk" ? bundle[file].moduleIds.find((id) => /\/src\/.*\.ts$/.test(id) && !imported.has(id)) : undefined;
           if (more !== undefined) this.error(`${file} comes with ${first} and has ${more}, whose words are not there yet`);
         }
@@ -151,18 +166,9 @@ function fillWorker(): Plugin {
         const worker = Object.values(bundle).find((file) => file.type === "chunk" && file.fileName === WORKER);
         if (worker?.type !== "chunk") return this.error("there is no service worker");
         if (worker.imports.length > 0) return this.error("the service worker is a script and imports nothing");
-        const files = new Set<string>();
-        const visit = (file: string): void => {
-          const chunk = bundle[file];
-          if (chunk?.type !== "chunk" || files.has(file)) return;
-          files.add(file);
-          chunk.imports.forEach(visit);
-        };
-        for (const file of Object.values(bundle)) {
-          if (file.type === "asset" && file.fileName.endsWith(".css")) files.add(file.fileName);
-          if (file.type !== "chunk" || file === worker) continue;
-          if (file.isEntry || holdsFirstPage(file)) visit(file.fileName);
-        }
+        const first = Object.values(bundle).flatMap((file) => (file.type === "chunk" && file !== worker && (file.isEntry || holdsFirstPage(file)) ? [file.fileName] : []));
+        const files = loadedWith(bundle, first);
+        for (const file of Object.values(bundle)) if (file.type === "asset" && file.fileName.endsWith(".css")) files.add(file.fileName);
         const version = createHash("sha256").update(worker.code);
         // Names of the others hold a hash already.
         for (const name of PLAIN_SHELL) version.update(await readFile(new URL(`public/${name}`, import.meta.url)));
