@@ -55,6 +55,18 @@ def test_a_snapshot_has_each_sample_of_a_channel_once_and_in_order(rows, deal) -
         assert flat(tails.channel_snapshot(channel).samples) == sent
 
 
+@given(batches, st.booleans())
+def test_snapshots_of_many_channels_are_those_of_each(rows, deal) -> None:
+    tails = tails_of(rows, deal=deal)
+    # One that nobody has heard of, too.
+    asked = range(CHANNELS + 1)
+    together = tails.channel_snapshots(asked)
+    assert [flat(together[channel].samples) for channel in asked] == [
+        flat(tails.channel_snapshot(channel).samples) for channel in asked
+    ]
+    assert {snapshot.block for snapshot in together.values()} == {1}
+
+
 @given(batches, st.integers(0, 40_000), st.integers(0, 40_000))
 def test_a_snapshot_of_a_window_lacks_nothing_of_it_also_after_more_has_come(
     rows, from_us, to_us
@@ -89,4 +101,18 @@ def test_with_many_channels_batches_wait_for_more_than_one_sample_of_each() -> N
     tails.add_chunks([chunk_of(9, [(0, 1, "")] * 79)])
     assert not tails.is_due()
     tails.add_chunks([chunk_of(10, [(0, 1, "")])])
+    assert tails.is_due()
+
+
+def test_many_channels_that_are_all_new_wait_for_more_than_one_sample_of_each() -> None:
+    everybody = [(channel, 0, "") for channel in range(1_000)]
+    tails = tails_of([everybody] * 15, recent=1, deal=False)
+    assert not tails.is_due()
+    tails.add_chunks([chunk_of(16, everybody)])
+    assert tails.is_due()
+    tails.deal_chunks()
+    # Those that come after them are counted anew.
+    tails.add_chunks([chunk_of(17, [(channel + 5_000, 0, "") for channel in range(3)])])
+    assert not tails.is_due()
+    tails.forget_sealed(range(1_000), 2)
     assert tails.is_due()

@@ -67,8 +67,9 @@ class BlockSamples(NamedTuple):
         """Keep these positions, in this order, each at most once."""
         texts: dict[int, str] = {}
         if self.texts:
-            place = {int(old): new for new, old in enumerate(positions)}
-            texts = {place[p]: text for p, text in self.texts.items() if p in place}
+            place = np.full(self.time_us.size, -1, np.intp)
+            place[positions] = np.arange(positions.size)
+            texts = {int(place[p]): text for p, text in self.texts.items() if place[p] >= 0}
         return BlockSamples(self.time_us[positions], self.value[positions], texts)
 
 
