@@ -2,7 +2,8 @@
 
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
-                                 demo, history, history-page, signin, press, many, spool, storm,
+                                 demo, history, history-page, history-export, history-servers,
+                                 signin, press, many, spool, storm,
                                  join, load-description, camera, camera-slow, camera-crowd,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
                                  board, scene, fleet, past
@@ -247,6 +248,20 @@ async def history_large() -> list[Figure]:
         subprocess.run, [sys.executable, *words, "--servers", "0"], check=False
     )
     return [Figure("limits of large stores that are missed", done.returncode, 0, "limits")]
+
+
+async def history_export() -> list[Figure]:
+    """Files of the history beside DuckDB's of the same samples; prints its own table."""
+    script = str(ROOT / "bench" / "history_export.py")
+    done = await asyncio.to_thread(subprocess.run, [sys.executable, script], check=False)
+    return [Figure("limits of files that are missed", done.returncode, 0, "limits")]
+
+
+async def history_servers() -> list[Figure]:
+    """Histories on one database server and on two, and a hub with 10 000 signals; its own table."""
+    script = str(ROOT / "bench" / "history_servers.py")
+    await asyncio.to_thread(subprocess.run, [sys.executable, script], check=True)
+    return []
 
 
 async def history_page() -> list[Figure]:
@@ -634,6 +649,7 @@ PARTS = {
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,
+    "history-export": history_export, "history-servers": history_servers,
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
     "camera-crowd": camera_crowd, "objects": see, "objects-drive": see_and_drive, "press": press,
     "many": many, "spool": spool, "storm": storm, "join": join, "taps": taps_,

@@ -12,6 +12,10 @@ length of the values (u32), the values (both `pcodec`), and the texts as before.
 
 With many channels of few samples each, the channels and their counts would be most of it. Then the
 body is of version 3, whose channels and counts are compressed like the times, with their lengths.
+
+Rows of version 3 that follow each other are made one of version 4, in the order in which samples
+came: the head as in version 2 with zero channels, each sample's channel, the times and the values,
+each compressed and with its length, and the texts.
 """
 
 from __future__ import annotations
@@ -27,11 +31,13 @@ from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import MAX_SPAN_US, Columns
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-__all__ = ["part_of", "read_row", "write_row"]
+__all__ = ["MANY_CHANNELS", "merge_columns", "part_of", "read_row", "write_row"]
 
-PLAIN, PACKED, MANY_CHANNELS = 1, 2, 3
+PLAIN, PACKED, MANY_CHANNELS, MERGED = 1, 2, 3, 4
 # Below this, compressing takes longer than it saves.
 _WORTH = 128
 # From so many channels on, compressing their numbers saves more bytes than its two calls add.
@@ -40,6 +46,8 @@ _MANY = 64
 # better: values as they are, times by their steps, nothing else tried.
 _VALUES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.no_op())
 _TIMES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.try_consecutive(1))
+# A merged row stays for long, and nobody waits for it.
+_MERGED = ChunkConfig(compression_level=4)
 _LENGTH = struct.Struct("<I")
 _HEAD = struct.Struct("<BBIq")
 _TEXTS = msgspec.msgpack.Decoder(dict[int, str])
@@ -74,12 +82,14 @@ def read_row(body: bytes) -> Columns:
     """
     try:
         version, size, count, base = _HEAD.unpack_from(body)
+        if version == MERGED and size == 0:
+            return _unpack_merged(body, count)
         if version in (PACKED, MANY_CHANNELS) and size == 0:
             return _unpack_columns(body, count, base, packed=version == MANY_CHANNELS)
         if version != PLAIN or size not in (4, 8):
             raise HistoryError(
-                f"a journal row has version {version}, this program reads {PLAIN}, {PACKED} "
-                f"and {MANY_CHANNELS}",
+                f"a journal row has version {version}, this program reads {PLAIN}, {PACKED}, "
+                f"{MANY_CHANNELS} and {MERGED}",
                 "open the database with the program that wrote it, or a newer one",
             )
         at = _HEAD.size
@@ -94,6 +104,37 @@ def read_row(body: bytes) -> Columns:
     except (struct.error, ValueError, RuntimeError) as error:  # msgspec's errors are ValueErrors
         raise HistoryError(f"a journal row of {len(body)} bytes is damaged: {error}") from error
     return Columns(channel, offset.astype(np.int64) + base, value, texts)
+
+
+def merge_columns(parts: Sequence[Columns]) -> bytes:
+    """Pack batches one after the other, as one."""
+    columns = (
+        np.concatenate([part.channel.astype(np.uint16, copy=False) for part in parts]),
+        np.concatenate([part.time_us for part in parts]),
+        np.concatenate([part.value for part in parts]),
+    )
+    texts, at = {}, 0
+    for part in parts:
+        texts.update({at + position: text for position, text in part.texts.items()})
+        at += len(part)
+    head = _HEAD.pack(MERGED, 0, at, 0)
+    packed = [_with_length(standalone.simple_compress(column, _MERGED)) for column in columns]
+    return b"".join((head, *packed, msgspec.msgpack.encode(texts) if texts else b""))
+
+
+def _unpack_merged(body: bytes, count: int) -> Columns:
+    at = _HEAD.size
+    channels, at = _read_compressed(body, at)
+    times, at = _read_compressed(body, at)
+    values, at = _read_compressed(body, at)
+    if (channels.size, times.size, values.size) != (count, count, count):
+        raise ValueError(f"its columns have not {count} rows")
+    return Columns(
+        channels.astype(np.uint16, copy=False),
+        times.astype(np.int64, copy=False),
+        values.astype(np.float64, copy=False),
+        _TEXTS.decode(body[at:]) if len(body) > at else {},
+    )
 
 
 def _pack_columns(columns: Columns) -> bytes:

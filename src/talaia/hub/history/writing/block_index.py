@@ -16,7 +16,7 @@ import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from sqlalchemy import delete, func, insert, select
+from sqlalchemy import delete, func, select
 
 from talaia.hub.history.blocks.block import concatenate_samples, decode_block
 from talaia.hub.history.blocks.journal import part_of, read_row, write_row
@@ -33,6 +33,8 @@ from talaia.hub.history.writing.compaction import (
     save_tail,
     seal_tail,
 )
+from talaia.hub.history.writing.gap_rows import gap_row, write_gap
+from talaia.hub.history.writing.merged_rows import RowMerger
 from talaia.hub.history.writing.open_blocks import Chunk, Tails
 from talaia.hub.history.writing.retention import delete_blocks
 from talaia.hub.history.writing.seal_choice import SealChoice
@@ -54,6 +56,7 @@ from talaia.hub.history.writing.writer_jobs import (
     checked_columns,
 )
 from talaia.hub.store import history_tables as tables
+from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,9 +65,11 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.history.limits import HistoryLimits
+    from talaia.hub.history.writing.merged_rows import MergedRow
     from talaia.hub.history.writing.retention import Doomed
     from talaia.hub.history.writing.site_jobs import Adopted, Forgotten
     from talaia.hub.history.writing.writer_jobs import Job
+    from talaia.wire.columns import Columns
 
 __all__ = ["BlockIndex"]
 
@@ -72,10 +77,11 @@ _LOG = logging.getLogger(__name__)
 
 
 class _Plan(NamedTuple):
-    """What of the tails the next commit writes."""
+    """What of the tails and of the journal the next commit writes anew."""
 
     seals: list[Sealed]
     saves: list[Saved]
+    merged: MergedRow | None
 
 
 class _Draft:
@@ -84,6 +90,9 @@ class _Draft:
     def __init__(self) -> None:
         # Of the journal: every batch as it came.
         self.rows: list[dict[str, Any]] = []
+        self.columns: list[Columns] = []
+        # A row in the place of several that are there.
+        self.merged: MergedRow | None = None
         # What is lost for good.
         self.gaps: list[dict[str, Any]] = []
         # The samples of `rows`, for the tails once they are committed.
@@ -113,7 +122,8 @@ class _Draft:
         return bool(self.rows or self.gaps or self.recent or self.named or self.doomed)
 
     def count_bytes(self) -> int:
-        bodies = sum(len(row["body"]) for row in self.rows)
+        rows = [*self.rows, self.merged.row] if self.merged is not None else self.rows
+        bodies = sum(len(row["body"]) for row in rows)
         return bodies + sum(seal.count_bytes() for seal in self.seals)
 
 
@@ -145,6 +155,9 @@ class BlockIndex:
         # From this number on readers take no block: their samples are in the tails still.
         self._next_block = 1
         self._journal = JournalRows()
+        # A server packs rows by itself.
+        self._merges_rows = not dialect_of(engine).is_server
+        self._merger = RowMerger()
         # What of the tails the next commit writes; compressed while nobody waits.
         self._plan: _Plan | None = None
         # Chooses what is planned.
@@ -156,6 +169,7 @@ class BlockIndex:
         names = Names()
         self._newest, self._runs = {}, StoredRuns()
         self._journal = JournalRows()
+        self._merger = RowMerger()
         self._plan = None
         with self._engine.begin() as connection:
             names.load_names(connection)
@@ -191,7 +205,7 @@ class BlockIndex:
         answers = [self._answer_job(job, draft) for job in jobs]
         if draft:
             if self._plan is not None:
-                draft.seals, draft.saves = self._plan.seals, self._plan.saves
+                draft.seals, draft.saves, draft.merged = self._plan
             with self._engine.begin() as connection:
                 last_gone = self._write_draft(connection, draft)
             self._apply_draft(draft, last_gone)
@@ -207,15 +221,18 @@ class BlockIndex:
         if self._plan is not None:
             return
         tails = self.tails
+        # Before batches are dealt out, perhaps.
+        merged = self._merger.next_row(tails.deals) if self._merges_rows else None
         chosen, saved, enough = self._choice.choose_channels(tails, self._journal.samples)
-        if chosen or saved:
+        if chosen or saved or merged:
             saves = [
                 save_tail(
                     channel, tails.dealt_row, concatenate_samples(tails.all_tails()[channel].parts)
                 )
                 for channel in saved
             ]
-            self._plan = _Plan([self._seal_tail(channel, enough) for channel in chosen], saves)
+            seals = [self._seal_tail(channel, enough) for channel in chosen]
+            self._plan = _Plan(seals, saves, merged)
 
     def _replay_journal(self, connection: Connection, names: Names, tails: Tails) -> None:
         rows = connection.execution_options(yield_per=500).execute(
@@ -326,6 +343,7 @@ class BlockIndex:
                     "body": body,
                 }
             )
+            draft.columns.append(part)
             ids = catalogue.channels[part.channel]
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
@@ -333,7 +351,7 @@ class BlockIndex:
             self._runs.add_stored(boot, first, first + len(part))
 
     def _take_gap(self, job: GapJob, draft: _Draft) -> None:
-        row = _gap_row(job)
+        row = gap_row(job)
         boot = self.names.boot_id(job.site, job.boot)
         draft.gaps.append({"boot_id": boot, **row})
         self._runs.settled_of(boot).add_range(job.first, job.last + 1)
@@ -358,7 +376,7 @@ class BlockIndex:
         self.names.write_new(connection)
         insert_rows(connection, tables.hot, draft.rows)
         for row in draft.gaps:
-            _write_gap(connection, row)
+            write_gap(connection, row)
         if draft.recent:
             self._recent.write_rows(connection, draft.recent)
         if draft.doomed:
@@ -379,6 +397,8 @@ class BlockIndex:
             draft.newest[channel] = sealed.write_blocks(connection, newest)
         for saved in draft.saves:
             saved.write_tail(connection)
+        if draft.merged is not None:
+            draft.merged.write_row(connection)
         if draft.writes_runs:
             draft.ranges = self._runs.write_changed(connection)
         if draft.forgotten:
@@ -425,6 +445,8 @@ class BlockIndex:
                 self._newest.pop(channel, None)
         if draft.saves:
             self.tails.mark_saved([saved.channel for saved in draft.saves])
+        if draft.merged is not None:
+            self._journal.merge_rows(draft.merged.first, draft.merged.row["id"])
         if last_gone:
             self._runs.clear_changed()
             self._journal.forget_rows(last_gone)
@@ -432,6 +454,8 @@ class BlockIndex:
         self._recent.add_chunks(draft.chunks)
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
+        if self._merges_rows:
+            self._merger.add_rows(draft.rows, draft.columns, self.tails.deals)
 
 
 def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
@@ -440,30 +464,6 @@ def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
     for channel, last in names.saved_row.items():
         saved[channel] = last
     return saved
-
-
-def _gap_row(job: GapJob) -> dict[str, Any]:
-    """Give what the table holds of a gap, less whose it is.
-
-    Raises:
-        HistoryError: it ends before it begins.
-        UnicodeEncodeError: its reason is not Unicode.
-
-    """
-    if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
-        raise HistoryError(
-            f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "
-            "before it begins"
-        )
-    job.reason.encode()
-    return {
-        "first_seq": job.first,
-        "last_seq": job.last,
-        "from_us": job.from_us,
-        "to_us": job.to_us,
-        # PostgreSQL's texts hold no zero byte.
-        "reason": job.reason.replace("\0", "�"),
-    }
 
 
 def _select_samples(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
@@ -477,11 +477,3 @@ def _select_samples(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]])
         chunk.value[positions],
         {place[p]: text for p, text in chunk.texts.items() if p in place},
     )
-
-
-def _write_gap(connection: Connection, row: dict[str, Any]) -> None:
-    table = tables.gap
-    key = ("boot_id", "first_seq", "last_seq", "from_us")
-    same = [table.c[name] == row[name] for name in key]
-    if connection.execute(select(table.c.boot_id).where(*same)).first() is None:
-        connection.execute(insert(table), row)
