@@ -390,7 +390,7 @@ def on_short_series(folder: str, series: int, each: int = 30) -> int:
         missed += (cpu > 0.8) + (room > 6)
         print(
             f"{series} signals of {each} samples, {size} a commit: {cpu:.2f} s of CPU a million "
-            f"(limit 0.8), {room:.1f} bytes a sample (limit 6; {shown:.1f} with a plain row of each)"
+            f"(limit 0.8), {room:.1f} bytes a sample (limit 6), {shown:.1f} with plain rows"
         )
         if theirs:
             cpu, room = (float(np.median(column)) for column in zip(*theirs, strict=True))

@@ -59,7 +59,7 @@ async def test_whenever_a_hub_is_killed_each_sample_is_there_once(tmp_path, limi
     path = tmp_path / "h.db"
     merged = 0
     async with opened(f"sqlite:///{path}", limits) as store:
-        for at in range(48):
+        for at in range(64):
             await store.append_samples(
                 "agv", "b", at * SIZE, addresses=ADDRESSES, columns=columns_from(at * SIZE)
             )
@@ -74,7 +74,7 @@ async def test_whenever_a_hub_is_killed_each_sample_is_there_once(tmp_path, limi
                     assert await numbers_in(again) == list(range((at + 1) * SIZE))
                 for file in tmp_path.glob("killed-*"):
                     file.unlink()
-        assert await numbers_in(store) == list(range(48 * SIZE))
+        assert await numbers_in(store) == list(range(64 * SIZE))
     assert merged
 
 

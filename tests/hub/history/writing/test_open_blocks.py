@@ -98,7 +98,7 @@ def test_with_many_channels_batches_wait_for_more_than_one_sample_of_each() -> N
     tails = tails_of([[(channel, 0, "")] for channel in range(CHANNELS)], recent=1, deal=False)
     assert tails.is_due()  # no channel is known yet
     tails.deal_chunks()
-    tails.add_chunks([chunk_of(9, [(0, 1, "")] * 79)])
+    tails.add_chunks([chunk_of(9, [(0, 1, "")] * 159)])
     assert not tails.is_due()
     tails.add_chunks([chunk_of(10, [(0, 1, "")])])
     assert tails.is_due()
@@ -106,13 +106,13 @@ def test_with_many_channels_batches_wait_for_more_than_one_sample_of_each() -> N
 
 def test_many_channels_that_are_all_new_wait_for_more_than_one_sample_of_each() -> None:
     everybody = [(channel, 0, "") for channel in range(1_000)]
-    tails = tails_of([everybody] * 15, recent=1, deal=False)
+    tails = tails_of([everybody] * 31, recent=1, deal=False)
     assert not tails.is_due()
-    tails.add_chunks([chunk_of(16, everybody)])
+    tails.add_chunks([chunk_of(32, everybody)])
     assert tails.is_due()
     tails.deal_chunks()
     # Those that come after them are counted anew.
-    tails.add_chunks([chunk_of(17, [(channel + 5_000, 0, "") for channel in range(3)])])
+    tails.add_chunks([chunk_of(33, [(channel + 5_000, 0, "") for channel in range(3)])])
     assert not tails.is_due()
     tails.forget_sealed(range(1_000), 2)
     assert tails.is_due()

@@ -24,8 +24,8 @@ __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
 _PARTS = 64
 # Taking batches apart costs by the channel, so it waits for so many samples of each. A reader looks
 # through all that wait, so it is not more than so many in all.
-_OF_EACH = 16
-_MOST_WAITING = 262_144
+_OF_EACH = 32
+_MOST_WAITING = 524_288
 # Fewer channels that are not known yet are dealt out at once: it costs next to nothing.
 _FEW = 64
 # So many channels or more are looked for together in what waits.
