@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from ..faults.ledgers import Findings
 from .kept_runs import KeptRuns
-
-pytestmark = pytest.mark.pure
 
 
 def test_a_good_run_is_found_again_with_all_that_it_measured(tmp_path: Path) -> None:
