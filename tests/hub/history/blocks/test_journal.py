@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.blocks.journal import read_row, write_row
+from talaia.hub.history.blocks.journal import merge_columns, read_row, write_row
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import Columns
 
@@ -38,6 +38,23 @@ def test_what_is_packed_comes_back_channel_by_channel(rows, times, apart) -> Non
     ]
     columns = batch(rows)
     assert of_channels(read_row(write_row(columns))) == of_channels(columns)
+
+
+@given(st.lists(st.lists(row, max_size=6), min_size=1, max_size=5))
+def test_batches_that_are_made_one_come_back_in_the_order_in_which_they_came(parts) -> None:
+    read = read_row(merge_columns([batch(rows) for rows in parts]))
+    whole = batch([sample for rows in parts for sample in rows])
+    assert read.channel.tolist() == whole.channel.tolist()
+    assert read.time_us.tolist() == whole.time_us.tolist()
+    assert read.value.tobytes() == whole.value.tobytes()
+    assert read.texts == whole.texts
+
+
+def test_damage_of_batches_that_were_made_one_is_told() -> None:
+    body = merge_columns([batch([(at % 90, at, float(at)) for at in range(500)])] * 3)
+    for junk in (body[:9], body[:30], body[: len(body) // 2], body[:-3], body[:2] + body[3:]):
+        with pytest.raises(HistoryError):
+            read_row(junk)
 
 
 def test_a_large_batch_takes_a_fraction_of_its_bytes() -> None:

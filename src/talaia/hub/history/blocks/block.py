@@ -19,13 +19,14 @@ from pcodec import ChunkConfig, standalone
 from talaia.hub.history.errors import HistoryError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 __all__ = [
     "EMPTY",
     "BlockSamples",
     "concatenate_samples",
     "decode_block",
+    "decode_run",
     "decode_values",
     "encode_block",
     "in_order",
@@ -146,6 +147,36 @@ def decode_block(body: bytes) -> BlockSamples:
         return BlockSamples(time_us, value, _TEXTS.decode(texts) if texts else {})
     except (struct.error, RuntimeError, msgspec.DecodeError) as error:
         raise _damaged_block(body, error) from error
+
+
+def decode_run(bodies: Sequence[bytes], sizes: Sequence[int]) -> BlockSamples | None:
+    """Turn blocks that follow each other into samples in one piece of memory.
+
+    Args:
+        bodies: of the blocks.
+        sizes: how many samples each holds.
+
+    Returns:
+        None where one of them is no block of so many numbers, or holds texts.
+
+    """
+    total = sum(sizes)
+    time_us, value = np.empty(total, np.int64), np.empty(total, np.float64)
+    first = 0
+    try:
+        for body, size in zip(bodies, sizes, strict=True):
+            times, values, texts = _split_sections(body)
+            if texts:
+                return None
+            past = first + size
+            for section, column in ((times, time_us), (values, value)):
+                done = standalone.simple_decompress_into(section, column[first:past])
+                if done.n_processed != size or not done.finished:
+                    return None
+            first = past
+    except (struct.error, RuntimeError, HistoryError):
+        return None
+    return BlockSamples(time_us, value, {})
 
 
 def decode_values(body: bytes) -> NDArray[np.float64]:
