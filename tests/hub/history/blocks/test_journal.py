@@ -40,7 +40,7 @@ def test_what_is_packed_comes_back_channel_by_channel(rows, times, apart) -> Non
     assert of_channels(read_row(write_row(columns))) == of_channels(columns)
 
 
-@given(st.lists(st.lists(row, max_size=6), min_size=1, max_size=5))
+@given(st.lists(st.lists(row, min_size=1, max_size=6), min_size=1, max_size=5))
 def test_batches_that_are_made_one_come_back_in_the_order_in_which_they_came(parts) -> None:
     read = read_row(merge_columns([batch(rows) for rows in parts]))
     whole = batch([sample for rows in parts for sample in rows])

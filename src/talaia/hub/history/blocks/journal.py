@@ -107,7 +107,7 @@ def read_row(body: bytes) -> Columns:
 
 
 def merge_columns(parts: Sequence[Columns]) -> bytes:
-    """Pack batches one after the other, as one."""
+    """Pack batches one after the other, as one; each has at least one sample."""
     columns = (
         np.concatenate([part.channel.astype(np.uint16, copy=False) for part in parts]),
         np.concatenate([part.time_us for part in parts]),
