@@ -1,5 +1,7 @@
 """Samples that are not in a block yet, held in memory for each channel.
 
+Long, because the thread that writes and those that read must agree on each step.
+
 Batches come many channels at a time and are committed every few milliseconds; taking each apart
 at once would be most of the hub's work. So they wait as they came (*recent*) and are dealt out to
 the channels' *tails* a few thousand samples at a time. One thread writes, any thread reads.
