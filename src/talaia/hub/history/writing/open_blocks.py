@@ -137,12 +137,18 @@ class Tails:
         """Give the tails by channel id; for the writing thread only."""
         return self._tails
 
-    def add_chunks(self, chunks: list[Chunk]) -> None:
-        """Take batches that have been committed, in order of their rows."""
+    def add_chunks(self, chunks: list[Chunk], last_row: int = 0) -> None:
+        """Take batches that have been committed, in order of their rows.
+
+        Args:
+            chunks: each is one row's, unless ``last_row`` says more.
+            last_row: the last row of the last one, where several rows are joined to one.
+
+        """
         with self._lock:
             for chunk in chunks:
                 self._recent.append(chunk)
-                self._recent_row = chunk.row
+                self._recent_row = last_row or chunk.row
                 self._single += 1
                 # A reader looks through ten thousand small arrays slowly.
                 if self._single == _PARTS:
