@@ -32,6 +32,7 @@ from talaia.hub.history.writing.compaction import (
     read_newest,
     save_tail,
     seal_tail,
+    write_tails,
 )
 from talaia.hub.history.writing.journal_replay import (
     JournalReader,
@@ -215,7 +216,7 @@ class BlockIndex:
         if self._plan is not None:
             return
         tails = self.tails
-        chosen, saved, enough = self._choice.choose_channels(tails, self._journal.samples)
+        chosen, saved, enough = self._choice.choose_channels(tails, self._journal)
         if chosen or saved:
             saves = [
                 save_tail(
@@ -362,8 +363,7 @@ class BlockIndex:
             if newest is None:
                 newest = read_newest(connection, channel)
             draft.newest[channel] = sealed.write_blocks(connection, newest)
-        for saved in draft.saves:
-            saved.write_tail(connection)
+        write_tails(connection, draft.saves)
         if draft.writes_runs:
             draft.ranges = self._runs.write_changed(connection)
         if draft.forgotten:
@@ -390,6 +390,7 @@ class BlockIndex:
     def _apply_draft(self, draft: _Draft, last_gone: int) -> None:
         self._plan = None
         self._choice.samples += draft.samples
+        self._choice.rows += len(draft.rows)
         self.names.clear_new()
         self._newest.update(draft.newest)
         self._runs.mark_written(draft.ranges)

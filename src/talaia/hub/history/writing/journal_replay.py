@@ -72,7 +72,8 @@ class JournalReader:
         for number, known in catalogues.items():
             self._begins[number], self._lengths[number] = at, known.channels.size
             at += known.channels.size
-        self._saved = np.zeros(max(saved_row, default=0) + 1, np.int64)
+        known = max((*saved_row, *self._channels.tolist()), default=0)
+        self._saved = np.zeros(known + 1, np.int64)
         for channel, row in saved_row.items():
             self._saved[channel] = row
 
