@@ -438,8 +438,9 @@ async def test_many_gateways_that_send_little_leave_a_journal_of_few_rows(tmp_pa
             (rows,) = database.execute("select count(*) from history_hot").fetchone()
             database.close()
             most = max(most, rows)
-    # 1 200 without the limit; one group is written before the next choice.
-    assert 100 < most < 250
+    # 1 200 without the limit. Channels can be saved once their batches were dealt out to them,
+    # which is after sixteen of each.
+    assert 100 < most < 500
     async with opened(url, limits) as store:
         for site in range(20):
             (series,) = await store.read_series(f"site{site}", ["a/x"], *ALL, width=1000)
