@@ -1,5 +1,7 @@
 """A batch as one row of the hot journal: few bytes, quick to write and to read back.
 
+Long, because all ways in which a batch may stand there are read together.
+
 All numbers are little-endian. A small batch's body is: version 1 (u8), bytes of a time offset
 (u8: 4 or 8), count (u32), base time (i64, µs), then the columns channel (u16, index into the
 catalogue), offset and value (f64), and then, if there are any, the texts as MessagePack.
@@ -21,10 +23,11 @@ each compressed and with its length, and the texts.
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from talaia.hub.history.errors import HistoryError
@@ -33,9 +36,15 @@ from talaia.wire.columns import MAX_SPAN_US, Columns
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-__all__ = ["MANY_CHANNELS", "merge_columns", "part_of", "read_row", "write_row"]
+__all__ = [
+    "MANY_CHANNELS",
+    "JournalSamples",
+    "merge_columns",
+    "part_of",
+    "read_row",
+    "read_rows",
+    "write_row",
+]
 
 PLAIN, PACKED, MANY_CHANNELS, MERGED = 1, 2, 3, 4
 # Below this, compressing takes longer than it saves.
@@ -108,18 +117,11 @@ def read_row(body: bytes) -> Columns:
 
 def merge_columns(parts: Sequence[Columns]) -> bytes:
     """Pack batches one after the other, as one; each has at least one sample."""
-    columns = (
-        np.concatenate([part.channel.astype(np.uint16, copy=False) for part in parts]),
-        np.concatenate([part.time_us for part in parts]),
-        np.concatenate([part.value for part in parts]),
-    )
-    texts, at = {}, 0
-    for part in parts:
-        texts.update({at + position: text for position, text in part.texts.items()})
-        at += len(part)
-    head = _HEAD.pack(MERGED, 0, at, 0)
+    whole = _join_columns(parts)
+    columns = (whole.channel.astype(np.uint16, copy=False), whole.time_us, whole.value)
+    head = _HEAD.pack(MERGED, 0, len(whole), 0)
     packed = [_with_length(standalone.simple_compress(column, _MERGED)) for column in columns]
-    return b"".join((head, *packed, msgspec.msgpack.encode(texts) if texts else b""))
+    return b"".join((head, *packed, msgspec.msgpack.encode(whole.texts) if whole.texts else b""))
 
 
 def _unpack_merged(body: bytes, count: int) -> Columns:
@@ -134,6 +136,96 @@ def _unpack_merged(body: bytes, count: int) -> Columns:
         times.astype(np.int64, copy=False),
         values.astype(np.float64, copy=False),
         _TEXTS.decode(body[at:]) if len(body) > at else {},
+    )
+
+
+class JournalSamples(NamedTuple):
+    """The samples of many rows, one row after the other.
+
+    Attributes:
+        columns: of all rows; n samples.
+        sizes: how many each row has, of shape (rows,); 0 for a damaged one.
+        damaged: what is wrong with a row, by its place among the rows.
+
+    """
+
+    columns: Columns
+    sizes: NDArray[np.int64]
+    damaged: dict[int, HistoryError]
+
+
+def read_rows(bodies: Sequence[bytes]) -> JournalSamples:
+    """Unpack many batches: small ones together, for each alone takes longer than its samples."""
+    sizes = np.zeros(len(bodies), np.int64)
+    damaged: dict[int, HistoryError] = {}
+    parts: list[Columns] = []
+    plain = _PlainRows()
+    for at, body in enumerate(bodies):
+        count = plain.add_row(body)
+        if not count:
+            # It is read by itself, and stands behind those before it.
+            parts.append(plain.read_columns())
+            plain = _PlainRows()
+            try:
+                part = read_row(body)
+            except HistoryError as error:
+                damaged[at] = error
+                continue
+            parts.append(part)
+            count = len(part)
+        sizes[at] = count
+    return JournalSamples(_join_columns([*parts, plain.read_columns()]), sizes, damaged)
+
+
+class _PlainRows:
+    """Rows of the commonest kind: a few numbers with times that are near to each other."""
+
+    def __init__(self) -> None:
+        self._counts: list[int] = []
+        self._bases: list[int] = []
+        # The three columns of each.
+        self._channels: list[bytes] = []
+        self._offsets: list[bytes] = []
+        self._values: list[bytes] = []
+
+    def add_row(self, body: bytes) -> int:
+        """Take a row and give its number of samples; 0 if it is of another kind, or damaged."""
+        if len(body) <= _HEAD.size:
+            return 0
+        version, size, count, base = _HEAD.unpack_from(body)
+        offsets = _HEAD.size + 2 * count
+        values = offsets + 4 * count
+        if version != PLAIN or size != 4 or len(body) != values + 8 * count:
+            return 0
+        self._counts.append(count)
+        self._bases.append(base)
+        self._channels.append(body[_HEAD.size : offsets])
+        self._offsets.append(body[offsets:values])
+        self._values.append(body[values:])
+        return int(count)
+
+    def read_columns(self) -> Columns:
+        """Give the samples of all."""
+        base = np.repeat(np.array(self._bases, np.int64), self._counts)
+        return Columns(
+            np.frombuffer(b"".join(self._channels), "<u2"),
+            np.frombuffer(b"".join(self._offsets), "<i4") + base,
+            np.frombuffer(b"".join(self._values), "<f8"),
+            {},
+        )
+
+
+def _join_columns(parts: Sequence[Columns]) -> Columns:
+    texts: dict[int, str] = {}
+    at = 0
+    for part in parts:
+        texts.update({at + position: text for position, text in part.texts.items()})
+        at += len(part)
+    return Columns(
+        np.concatenate([part.channel for part in parts]),
+        np.concatenate([part.time_us for part in parts]),
+        np.concatenate([part.value for part in parts]),
+        texts,
     )
 
 
