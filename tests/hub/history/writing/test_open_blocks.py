@@ -109,7 +109,7 @@ def test_with_many_channels_batches_wait_for_more_than_one_sample_of_each() -> N
     tails = tails_of([[(channel, 0, "")] for channel in range(CHANNELS)], recent=1, deal=False)
     assert tails.is_due()  # no channel is known yet
     tails.deal_chunks()
-    tails.add_chunks([chunk_of(9, [(0, 1, "")] * 159)])
+    tails.add_chunks([chunk_of(9, [(0, 1, "")] * 79)])
     assert not tails.is_due()
     tails.add_chunks([chunk_of(10, [(0, 1, "")])])
     assert tails.is_due()

@@ -26,7 +26,9 @@ __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
 _PARTS = 64
 # Taking batches apart costs by the channel, so it waits for so many samples of each. A reader looks
 # through all that wait, so it is not more than so many in all.
-_OF_EACH = 32
+_OF_EACH = 16
+# The same of each where they are very many.
+_OF_MANY, _VERY_MANY = 32, 1_000
 _MOST_WAITING = 524_288
 # Fewer channels that are not known yet are dealt out at once: it costs next to nothing.
 _FEW = 64
@@ -172,14 +174,14 @@ class Tails:
 
     def is_due(self) -> bool:
         """Tell whether enough batches wait to be dealt out; for the writing thread only."""
-        enough = min(_OF_EACH * len(self._tails), _MOST_WAITING)
+        enough = _enough_of(len(self._tails))
         if self._waiting < max(self._enough, self._enough_waiting, enough):
             return False
         # Seldom: of ten thousand channels that are all new, none has a tail yet.
         ids = np.concatenate([chunk.channel for chunk in self._recent])
         channels = np.count_nonzero(np.bincount(ids))
         if channels > _FEW:
-            self._enough_waiting = min(_OF_EACH * int(channels), _MOST_WAITING)
+            self._enough_waiting = _enough_of(int(channels))
         return self._waiting >= self._enough_waiting
 
     def restore_tail(self, channel: int, samples: BlockSamples) -> None:
@@ -264,6 +266,12 @@ class Tails:
         return {
             channel: Snapshot(concatenate_samples(parts), block) for channel, parts in found.items()
         }
+
+
+def _enough_of(channels: int) -> int:
+    """Give how many samples wait at least before they are dealt out to so many channels."""
+    of_each = _OF_EACH if channels < _VERY_MANY else _OF_MANY
+    return min(of_each * channels, _MOST_WAITING)
 
 
 def _find_waiting(
