@@ -31,7 +31,7 @@ from talaia.gateway.adapters.ros2.nodes.robot_clock import RobotClock
 from talaia.gateway.adapters.ros2.nodes.robot_nodes import RobotNodes
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
-from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
+from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import PACE_S, WaitThread
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.taps import Ros2TopicSource
@@ -41,6 +41,7 @@ from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, make_
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
+from talaia.gateway.samples.flush_pace import SOON_S
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import Ros2Connection
 from talaia.shared_memory import remove_dead_segments_at_start
@@ -97,6 +98,8 @@ class Ros2Adapter:
         self._plans = self._plans_of(scope)
         # Streams that somebody looks at; replaced whole, so both threads may read it.
         self._watched: frozenset[str] = frozenset()
+        # Somebody looks at what is read here. Kept over a `run`.
+        self._hurried = False
         # Types that are not installed and have been reported, in the words of the report.
         self._missing: set[str] = set()
         # From here on: what belongs to one `run`, made by `_join`, None between two of them.
@@ -144,6 +147,13 @@ class Ros2Adapter:
         self._watched = frozenset(streams)
         if self._thread is not None:
             self._thread.run_soon(self._update_subscriptions)
+
+    def shorten_turns(self, *, wanted: bool) -> None:
+        """See `PacedAdapter.shorten_turns`."""
+        if wanted != self._hurried:
+            self._hurried = wanted
+            if self._thread is not None:
+                self._thread.run_soon(self._set_turns)
 
     def tap_topics(self, topics: frozenset[str]) -> None:
         """See `TopicSource.tap_topics`."""
@@ -282,6 +292,7 @@ class Ros2Adapter:
         )
         self._worker.start()
         self._thread = thread
+        thread.run_soon(self._set_turns)
         thread.start()
 
     def _leave(self, context: Any) -> None:  # noqa: ANN401
@@ -342,6 +353,10 @@ class Ros2Adapter:
             self._samples.put_samples(columns)
         self._arrivals.mark_awake(self._clock.monotonic_ns())
         return held
+
+    def _set_turns(self) -> None:
+        if self._thread is not None:
+            self._thread.shorten_turns("signals", SOON_S if self._hurried else PACE_S)
 
     def _on_idle(self) -> None:
         self._turn += 1

@@ -116,7 +116,7 @@ class Ros2TopicSource:
     def _update(self, *, everything: bool = True) -> None:
         if self._taps is not None and self._thread is not None:
             heard = self._taps.want_topics(self._wanted, everything=everything)
-            self._thread.pace_s = _TAPPED_PACE_S if heard else PACE_S
+            self._thread.shorten_turns("taps", _TAPPED_PACE_S if heard else PACE_S)
 
 
 class Ros2Taps:

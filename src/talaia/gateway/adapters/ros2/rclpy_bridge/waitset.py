@@ -32,10 +32,6 @@ HELD_NS = 50_000_000
 class WaitThread:
     """Waits, takes, and calls.
 
-    Attributes:
-        pace_s: from one turn that took something to the next (s); longer turns cost less. On the
-            thread.
-
     Order of a turn: jobs, wait, take until each ready subscription is empty, answers of services,
     ``after`` once. An exception in any of the callbacks ends the thread and reaches ``failed``.
     """
@@ -72,7 +68,9 @@ class WaitThread:
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
         # Read at every turn; set once, by whoever ends the thread.
         self._ended = False
-        self.pace_s = PACE_S
+        # From one turn that took something to the next (s); longer turns cost less. Others are
+        # asked for by name; the shortest counts.
+        self._paces: dict[str, float] = {}
         self._thread = threading.Thread(target=self._run, name="talaia-ros2", daemon=True)
 
     # ── any thread ──
@@ -94,6 +92,10 @@ class WaitThread:
             self._thread.join()
 
     # ── on the thread ──
+
+    def shorten_turns(self, asker: str, pace_s: float) -> None:
+        """Let turns be as short as that (s) for somebody, until asked for `PACE_S` again."""
+        self._paces[asker] = min(pace_s, PACE_S)
 
     def add_subscription(
         self,
@@ -152,7 +154,7 @@ class WaitThread:
                 held = self._after()
             if taken:
                 # Let a few more come before the next turn: waking costs more than taking.
-                rest = self.pace_s - (time.monotonic() - woke)
+                rest = min(self._paces.values(), default=PACE_S) - (time.monotonic() - woke)
                 if rest > 0:
                     time.sleep(rest)
         if wait_set is not None:
