@@ -85,9 +85,7 @@ class Gateway:
             now_s=lambda: self.loop.now_s,
             spent_s=lambda: 0.0,
         )
-        self.watch = SignalWatch(
-            batches=self.batcher, reader=self, listed=lambda: ("c", CHANNELS)
-        )
+        self.watch = SignalWatch(batches=self.batcher, reader=self, listed=lambda: ("c", CHANNELS))
         self.put = 0
 
     def watch_devices(self, devices: frozenset[str]) -> None:
@@ -108,9 +106,7 @@ class Gateway:
         frame = LINK_FROM_GATEWAY.decode(record.body)
         assert isinstance(frame, SampleBatch)
         part = unpack_columns(frame)
-        self.out.append(
-            (self.loop.now_s, frame.first, part.channel.tolist(), part.value.tolist())
-        )
+        self.out.append((self.loop.now_s, frame.first, part.channel.tolist(), part.value.tolist()))
 
     def ages_s(self, channel: int, said: dict[float, float]) -> list[float]:
         """Give how long each sample of a channel waited; ``said`` is when, by its value."""
@@ -136,6 +132,7 @@ def talk(gateway: Gateway, turns: int, turn_s: float, *channels: int) -> dict[fl
 def test_what_is_watched_goes_out_with_the_turn_that_read_it() -> None:
     gateway = Gateway()
     gateway.subscribe(0)
+    gateway.loop.run_for(1.0)
     said = talk(gateway, 200, SOON_S, 0)
     assert max(gateway.ages_s(0, said)) < 0.0001
 

@@ -51,7 +51,7 @@ class SignalWatch:
         """Hurry what the hub says is looked at, and nothing else."""
         # The peer's bytes: half a number is left out, as is what is not in the list.
         places = np.frombuffer(asked.channels, "<u2", len(asked.channels) // 2)
-        catalogue, addresses = self._listed()
+        _, addresses = self._listed()
         places = places[places < len(addresses)]
         # The hub speaks of a list that counts no more, and will speak of the new one soon.
         if self._batches.watch_channels(asked.catalogue, places):

@@ -54,7 +54,7 @@ class SpoolThread:
         self._gather_s = gather_s
         # Not handed to the thread yet; whatever else is asked of it comes behind them.
         self._gathered: list[SampleRecord] = []
-        # From when on a record is handed over at once (monotonic s), and what does so if none comes.
+        # From when on a record is handed over at once (monotonic s); the timer does it without one.
         self._ripe_s = 0.0
         self._timer: asyncio.TimerHandle | None = None
         # Two counters, each written by one thread only.

@@ -23,7 +23,7 @@ from rclpy.context import Context
 from talaia.gateway.adapters.arrival_times import Arrivals
 from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
-from talaia.gateway.adapters.ros2.graph_node import join_graph, wait_sets_of
+from talaia.gateway.adapters.ros2.graph_node import join_graph, pacer_of, wait_sets_of
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
 from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
@@ -225,6 +225,7 @@ class Ros2Adapter:
             after=self._after,
             idle=self._on_idle,
             failed=fail,
+            paced=pacer_of(context),
         )
         heard_ns: dict[str, int] = {}
         self._worker = PictureWorker(self._pictures, self._clock)

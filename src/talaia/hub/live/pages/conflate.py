@@ -2,21 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from talaia.wire.columns import (
-    MAX_SAMPLES,
-    MAX_SPAN_US,
-    Columns,
-    PackedColumns,
-    pack_columns,
-    pick_samples,
-)
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from talaia.wire.columns import Columns, PackedColumns, pack_columns, pick_samples
 
 __all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "weight"]
 
@@ -94,10 +82,12 @@ def frames_of(columns: Columns) -> list[PackedColumns]:
     """Pack columns, cut in pieces that a batch can hold."""
     if not len(columns):
         return []
-    times = columns.time_us
-    spans = int(times.max()) - int(times.min()) > MAX_SPAN_US
-    if len(columns) <= MAX_SAMPLES and not spans:
+    try:
         return [pack_columns(columns)]
+    except ValueError:
+        # One sample always fits.
+        if len(columns) == 1:
+            raise
     # Halved, for neither count nor span can be told in advance; each half is packed by itself.
     half = len(columns) // 2
     first = np.zeros(len(columns), bool)

@@ -89,6 +89,10 @@ class JoinedContext:
             raise BridgeLost("ROS 2 is not joined")
         return self.process
 
+    def shorten_turns(self, pace_s: float) -> None:
+        """Have the bridge take what came so often (s), too; see `WaitThread.shorten_turns`."""
+        self.joined().ask("pace", node=self.number, pace_s=pace_s)
+
     def on_message(self, *_: object) -> None:
         """Stand here for what an entity takes."""
 
