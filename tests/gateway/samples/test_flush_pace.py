@@ -45,6 +45,13 @@ def test_a_batch_of_what_is_watched_puts_off_nothing_else(
         assert pace.ripe_s < pace.late_s
 
 
+@given(st.floats(0, 60))
+def test_who_wants_a_sample_seldom_gets_batches_less_soon(wanted_s: float) -> None:
+    pace = FlushPace(USUAL_S)
+    pace.wanted_s = wanted_s
+    assert abs(pace.soon_s - min(USUAL_S, max(SOON_S, wanted_s / 5))) < 1e-9
+
+
 def test_one_batch_that_was_slow_by_chance_changes_little() -> None:
     pace = FlushPace(USUAL_S)
     pace.add_cost(0.001)

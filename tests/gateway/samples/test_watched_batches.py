@@ -91,9 +91,11 @@ class Gateway:
     def watch_devices(self, devices: frozenset[str]) -> None:
         self.hurried.append(devices)
 
-    def subscribe(self, *places: int, catalogue: str = "c") -> None:
+    def subscribe(self, *places: int, catalogue: str = "c", every_ms: int = 0) -> None:
         channels = np.array(places, "<u2").tobytes()
-        self.watch.subscribe(SignalSubscription(catalogue=catalogue, channels=channels))
+        self.watch.subscribe(
+            SignalSubscription(catalogue=catalogue, channels=channels, every_ms=every_ms)
+        )
 
     def say(self, *channels: int) -> None:
         """Hand over a sample of each; values count up."""
@@ -176,6 +178,19 @@ def test_what_is_watched_waits_for_the_next_turn_at_most() -> None:
     first, second = gateway.ages_s(0, said)
     assert first == 0.0
     assert second <= 1.25 * SOON_S
+
+
+def test_for_a_chart_batches_are_made_sooner_and_the_robot_is_read_as_ever() -> None:
+    gateway = Gateway()
+    gateway.subscribe(0, every_ms=50)
+    assert gateway.hurried == [frozenset()]
+    gateway.loop.run_for(1.0)
+    # An adapter's usual turns.
+    said = talk(gateway, 100, 0.01, 0)
+    assert max(gateway.ages_s(0, said)) < 0.0001
+    gateway.out.clear()
+    talk(gateway, 200, SOON_S, 0)
+    assert len(gateway.out) <= 1.0 / 0.0075 + 2
 
 
 def test_who_leaves_makes_it_slow_again_and_so_does_a_lost_link() -> None:

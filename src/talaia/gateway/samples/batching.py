@@ -189,12 +189,15 @@ class Batcher:
             self._called = True
             self._loop.call_soon_threadsafe(self._make_ripe)
 
-    def watch_channels(self, catalogue: str, places: NDArray[np.uint16]) -> bool:
+    def watch_channels(
+        self, catalogue: str, places: NDArray[np.uint16], every_s: float = 0.0
+    ) -> bool:
         """Have these channels go out soon from here on, and no others; event loop only.
 
         Args:
             catalogue: names the list that they are places in.
             places: of the channels that somebody looks at.
+            every_s: they are wanted so often (s); 0: as soon as can be.
 
         Returns:
             False where that is not the list that counts; nothing is changed then.
@@ -210,6 +213,7 @@ class Batcher:
             watched[: order.size] = by_place[order] & (order >= 0)
         # By the old ones: no channel's newer samples overtake its older ones.
         self.flush_batches()
+        self._pace.wanted_s = every_s
         self._watched = watched if watched.any() else None
         return True
 

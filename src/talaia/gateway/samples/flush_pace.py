@@ -11,6 +11,9 @@ __all__ = ["SOON_S", "FlushPace"]
 
 # Between two batches of what somebody looks at (s): the turns of an adapter that is in a hurry.
 SOON_S = 0.005
+# Of the time in which somebody wants one sample, so much may be between two batches: it is seen
+# no more then.
+_SEEN_SHARE = 0.2
 # Batches that are made soon take at most this share of the event loop: where one costs much, as
 # on a small machine or of very many samples, the next one comes later.
 _MOST_SHARE = 0.05
@@ -27,6 +30,7 @@ class FlushPace:
     All times are of one monotonic clock (s).
 
     Attributes:
+        wanted_s: what is watched is wanted so often (s); 0: as soon as can be.
         ripe_s: from when on a hand-over makes a batch of all that waits.
         late_s: when it is made without one.
         soon_ripe_s: from when on a hand-over of what is watched makes a batch of that.
@@ -39,12 +43,14 @@ class FlushPace:
         self._usual_s = usual_s
         # What a batch costs the event loop, on the average (s).
         self._cost_s = 0.0
+        self.wanted_s = 0.0
         self.ripe_s = self.late_s = self.soon_ripe_s = self.soon_late_s = 0.0
 
     @property
     def soon_s(self) -> float:
         """About so much time is between two batches of what is watched (s)."""
-        return min(self._usual_s, max(SOON_S, self._cost_s / _MOST_SHARE))
+        least_s = max(SOON_S, _SEEN_SHARE * self.wanted_s, self._cost_s / _MOST_SHARE)
+        return min(self._usual_s, least_s)
 
     def begin_batch(self, now_s: float, *, whole: bool) -> None:
         """Count from now on: a batch is made, of all that waits or of what is watched alone."""

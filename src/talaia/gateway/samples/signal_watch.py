@@ -15,11 +15,17 @@ if TYPE_CHECKING:
 
 __all__ = ["PacedBatches", "PacedReader", "SignalWatch"]
 
+# Who wants a sample no more often than this (ms) does not see whether it was read a little sooner:
+# the robot's side keeps its turns, and only batches are made sooner.
+_TURNS_MS = 50
+
 
 class PacedBatches(Protocol):
     """Makes batches of samples; see `Batcher`."""
 
-    def watch_channels(self, catalogue: str, places: NDArray[np.uint16]) -> bool:
+    def watch_channels(
+        self, catalogue: str, places: NDArray[np.uint16], every_s: float = 0.0
+    ) -> bool:
         """Have these channels go out soon from here on, and no others; False: of another list."""
         ...
 
@@ -54,8 +60,9 @@ class SignalWatch:
         _, addresses = self._listed()
         places = places[places < len(addresses)]
         # The hub speaks of a list that counts no more, and will speak of the new one soon.
-        if self._batches.watch_channels(asked.catalogue, places):
-            named = {addresses[place].partition("/")[0] for place in places.tolist()}
+        if self._batches.watch_channels(asked.catalogue, places, asked.every_ms / 1000):
+            hurried = places if asked.every_ms < _TURNS_MS else places[:0]
+            named = {addresses[place].partition("/")[0] for place in hurried.tolist()}
             self._reader.watch_devices(frozenset(named))
 
     def link_lost(self) -> None:

@@ -11,6 +11,7 @@ from talaia.wire.gateway_messages.field_types import (
     ChannelColumn,
     Count,
     Micros,
+    Millis,
     Name,
     OffsetColumn,
     Sentence,
@@ -108,8 +109,10 @@ class SignalSubscription(Message, frozen=True, kw_only=True, tag="signal_subscri
     Attributes:
         catalogue: names the channel list that they are places in (see `Hello`).
         channels: the places (u16, little-endian); none: nobody looks at anything.
+        every_ms: who wants them most often wants them so often; 0: each as it comes.
 
     """
 
     catalogue: Name
     channels: ChannelColumn = b""
+    every_ms: Millis = 0

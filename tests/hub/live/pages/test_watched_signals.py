@@ -30,7 +30,8 @@ async def told(gateway, *channels: str) -> SignalSubscription:
 async def test_gateway_is_told_who_looks_and_when_nobody_does_any_more(hub, gateway) -> None:
     page = await hub.page("operator")
     await look(page, SPEED, CHARGE)
-    assert (await told(gateway, SPEED, CHARGE)).catalogue == "c1"
+    said = await told(gateway, SPEED, CHARGE)
+    assert (said.catalogue, said.every_ms) == ("c1", 0)
     await page.say(Unsubscribe(sub=1))
     await told(gateway)
 
@@ -41,7 +42,8 @@ async def test_what_one_page_leaves_another_may_still_look_at(hub, gateway) -> N
     await look(second, SPEED, TURN, every_ms=50)
     await told(gateway, SPEED, CHARGE, TURN)
     await first.close()
-    await told(gateway, SPEED, TURN)
+    # A chart sees no single sample.
+    assert (await told(gateway, SPEED, TURN)).every_ms == 50
     await second.close()
     await told(gateway)
 

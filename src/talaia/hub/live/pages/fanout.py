@@ -13,7 +13,7 @@ from talaia.clock import MS
 from talaia.hub.live.pages.conflate import conflate, join
 from talaia.hub.live.pages.outbox import values_of
 from talaia.hub.live.pages.subscriptions import select_channels
-from talaia.hub.live.pages.watched_signals import SEEN_MS, WatchedSignals
+from talaia.hub.live.pages.watched_signals import WatchedSignals
 from talaia.wire.browser import Subscribed
 from talaia.wire.columns import Columns
 
@@ -72,7 +72,7 @@ class Fanout:
         self._groups: dict[str, dict[tuple[int, tuple[str, ...]], _Group]] = {}
         # By page and its number of the subscription.
         self._of: dict[tuple[Browser, int], _Group] = {}
-        self.watched = WatchedSignals(sites, self._seen_channels, linger_s)
+        self.watched = WatchedSignals(sites, self._asked_channels, linger_s)
 
     def subscribe(self, browser: Browser, asked: Subscribe) -> None:
         """Start a subscription, or replace the one with its number, and send what is known."""
@@ -148,11 +148,10 @@ class Fanout:
             else:
                 self._gather(group, picked)
 
-    def _seen_channels(self, site: str) -> Iterator[NDArray[np.int64]]:
-        """Give the channels of each group that sees how soon a batch comes."""
+    def _asked_channels(self, site: str) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Give how often each group of a site is sent something (ms), and its channels."""
         for group in self._groups.get(site, {}).values():
-            if group.every_ms <= SEEN_MS:
-                yield group.selection.channels
+            yield group.every_ms, group.selection.channels
 
     def _gather(self, group: _Group, picked: Columns) -> None:
         group.pieces.append(picked)

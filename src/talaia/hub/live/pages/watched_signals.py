@@ -25,10 +25,11 @@ _LEAST_S = 0.1
 
 
 class _Told(NamedTuple):
-    """What a gateway has been told on its link: by place in a channel list, which are watched."""
+    """What a gateway has been told on its link."""
 
     catalogue: str
-    watched: NDArray[np.bool_]
+    watched: NDArray[np.bool_]  # By place in that list.
+    every_ms: int
 
 
 class WatchedSignals:
@@ -38,13 +39,17 @@ class WatchedSignals:
     """
 
     def __init__(
-        self, sites: Sites, watched: Callable[[str], Iterable[NDArray[np.int64]]], linger_s: float
+        self,
+        sites: Sites,
+        watched: Callable[[str], Iterable[tuple[int, NDArray[np.int64]]]],
+        linger_s: float,
     ) -> None:
         """Tell gateways of ``sites``.
 
         Args:
             sites: the sites as they are now.
-            watched: gives what is looked at of a site: numbers in `LiveSite.every`, -1 for none.
+            watched: gives what is asked for of a site: how often (ms), and numbers in
+                `LiveSite.every`, -1 for none.
             linger_s: nobody's channel counts as watched for so long (s).
 
         """
@@ -91,18 +96,20 @@ class WatchedSignals:
         if live is None or live.link is None:
             return
         now_s = asyncio.get_running_loop().time()
-        watched, told = self._count_watched(live), self._told.get(site)
+        (watched, every_ms), told = self._count_watched(live), self._told.get(site)
         if told is None:
             if not watched.any():
                 return
         elif told.catalogue == live.catalogue:
             watched = self._keep_idle(site, watched, told.watched, now_s)
-            if np.array_equal(watched, told.watched):
+            if np.array_equal(watched, told.watched) and every_ms == told.every_ms:
                 return
-        self._told[site] = _Told(live.catalogue, watched)
+        self._told[site] = _Told(live.catalogue, watched, every_ms)
         self._due_s[site] = now_s + _LEAST_S
         places = np.flatnonzero(watched).astype("<u2").tobytes()
-        live.link.send(SignalSubscription(catalogue=live.catalogue, channels=places))
+        live.link.send(
+            SignalSubscription(catalogue=live.catalogue, channels=places, every_ms=every_ms)
+        )
 
     def _keep_idle(
         self, site: str, watched: NDArray[np.bool_], told: NDArray[np.bool_], now_s: float
@@ -118,10 +125,15 @@ class WatchedSignals:
         self._look_at(site, ends_s)
         return watched | told
 
-    def _count_watched(self, live: LiveSite) -> NDArray[np.bool_]:
-        """Tell by place in the gateway's list which channels are looked at (channels,)."""
-        watched = np.zeros(len(live.channels), bool)
-        for numbers in self._watched(live.name):
+    def _count_watched(self, live: LiveSite) -> tuple[NDArray[np.bool_], int]:
+        """Tell which channels are looked at, by place in the gateway's list, and how often (ms)."""
+        watched, often_ms = np.zeros(len(live.channels), bool), SEEN_MS
+        for every_ms, numbers in self._watched(live.name):
+            if every_ms > SEEN_MS:
+                continue
             # Scores, which stand behind the gateway's own channels, are made here.
-            watched[numbers[(numbers >= 0) & (numbers < len(watched))]] = True
-        return watched
+            own = numbers[(numbers >= 0) & (numbers < len(watched))]
+            watched[own] = True
+            if own.size:
+                often_ms = min(often_ms, every_ms)
+        return watched, often_ms
