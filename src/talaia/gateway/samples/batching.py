@@ -1,10 +1,11 @@
 """Samples from adapter threads become numbered batches, about one every 20 ms.
 
+Long, because threads and the loop meet in one queue, and what is taken from it when is one thing:
+what somebody at the hub looks at goes out sooner, in batches of its own; the rest keeps its pace.
+When which batch is made is `FlushPace`'s to say.
+
 Threads hand over columns, not samples: the event loop sees a few arrays for each flush, however
 fast the robot speaks, and nothing at all while it is silent.
-
-What somebody at the hub looks at goes out sooner, in batches of its own; the rest keeps its pace.
-When which batch is made is `FlushPace`'s to say.
 """
 
 from __future__ import annotations

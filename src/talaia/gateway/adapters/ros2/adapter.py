@@ -31,7 +31,7 @@ from talaia.gateway.adapters.ros2.nodes.robot_clock import RobotClock
 from talaia.gateway.adapters.ros2.nodes.robot_nodes import RobotNodes
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
-from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import PACE_S, WaitThread
+from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.taps import Ros2TopicSource
@@ -41,7 +41,6 @@ from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, make_
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.samples.flush_pace import SOON_S
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import Ros2Connection
 from talaia.shared_memory import remove_dead_segments_at_start
@@ -77,10 +76,8 @@ class Ros2Adapter:
         """Take what is to be served and where things go; `run` joins ROS."""
         settings = scope.connection
         assert isinstance(settings, Ros2Connection)  # noqa: S101 - the catalog has seen to it
-        self._scope = scope
-        self._status = status
-        self._clock = context.clock
-        self._samples = context.samples
+        self._scope, self._status = scope, status
+        self._clock, self._samples = context.clock, context.samples
         self._pictures, self._events = context.pictures, context.events
         self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
@@ -98,8 +95,6 @@ class Ros2Adapter:
         self._plans = self._plans_of(scope)
         # Streams that somebody looks at; replaced whole, so both threads may read it.
         self._watched: frozenset[str] = frozenset()
-        # Somebody looks at what is read here. Kept over a `run`.
-        self._hurried = False
         # Types that are not installed and have been reported, in the words of the report.
         self._missing: set[str] = set()
         # From here on: what belongs to one `run`, made by `_join`, None between two of them.
@@ -150,10 +145,7 @@ class Ros2Adapter:
 
     def shorten_turns(self, *, wanted: bool) -> None:
         """See `PacedAdapter.shorten_turns`."""
-        if wanted != self._hurried:
-            self._hurried = wanted
-            if self._thread is not None:
-                self._thread.run_soon(self._set_turns)
+        self._source.shorten_turns(wanted=wanted)
 
     def tap_topics(self, topics: frozenset[str]) -> None:
         """See `TopicSource.tap_topics`."""
@@ -205,8 +197,7 @@ class Ros2Adapter:
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
-        thread = self._thread
-        if thread is None:
+        if (thread := self._thread) is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
         else:
             thread.run_soon(lambda: self._rejoin(device, done))
@@ -218,10 +209,9 @@ class Ros2Adapter:
         with self._number.held():
             self._node = join_graph(self._node_name, context, self._domain)
         self._number.mark_used()
-        guard = self._node.create_guard_condition(lambda: None)
         thread = WaitThread(
             make_wait_set=wait_sets_of(context),
-            guard=guard.handle,
+            guard=self._node.create_guard_condition(lambda: None).handle,
             after=self._after,
             idle=self._on_idle,
             failed=fail,
@@ -293,7 +283,6 @@ class Ros2Adapter:
         )
         self._worker.start()
         self._thread = thread
-        thread.run_soon(self._set_turns)
         thread.start()
 
     def _leave(self, context: Any) -> None:  # noqa: ANN401
@@ -349,15 +338,10 @@ class Ros2Adapter:
         for plan in (*self._plans, *own):
             if plan.thins:
                 held = plan.take_due(now_us, self._gathered) or held
-        columns = self._gathered.take_columns()
-        if columns is not None:
+        if (columns := self._gathered.take_columns()) is not None:
             self._samples.put_samples(columns)
         self._arrivals.mark_awake(self._clock.monotonic_ns())
         return held
-
-    def _set_turns(self) -> None:
-        if self._thread is not None:
-            self._thread.shorten_turns("signals", SOON_S if self._hurried else PACE_S)
 
     def _on_idle(self) -> None:
         self._turn += 1

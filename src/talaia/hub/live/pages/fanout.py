@@ -86,7 +86,7 @@ class Fanout:
         group = self._group(live, selection, asked.every_ms)
         group.members[browser, asked.sub] = asked
         self._of[browser, asked.sub] = group
-        self.watched.look_soon(asked.site)
+        self.watched.update_soon(asked.site)
         browser.send_message(Subscribed(sub=asked.sub, refused=list(selection.refused)))
         # The outbox asks by it for newest values when they go out.
         browser.known = self.known
@@ -106,7 +106,7 @@ class Fanout:
                 group.timer.cancel()
             of_site = self._groups[group.site]
             del of_site[group.every_ms, group.selection.key]
-            self.watched.look_soon(group.site)
+            self.watched.update_soon(group.site)
 
     def leave(self, browser: Browser) -> None:
         """End every subscription of a browser."""

@@ -68,12 +68,12 @@ class WatchedSignals:
     def link_up(self, site: str) -> None:
         """Begin with a gateway that has been told nothing."""
         self._told.pop(site, None)
-        self.look_soon(site)
+        self.update_soon(site)
 
-    def look_soon(self, site: str) -> None:
+    def update_soon(self, site: str) -> None:
         """Look at what is watched of a site, once this turn of the loop is over or later."""
         now_s = asyncio.get_running_loop().time()
-        self._look_at(site, max(now_s, self._due_s.get(site, now_s)))
+        self._update_at(site, max(now_s, self._due_s.get(site, now_s)))
 
     def close(self) -> None:
         """Look no more."""
@@ -81,16 +81,16 @@ class WatchedSignals:
             timer.cancel()
         self._timers.clear()
 
-    def _look_at(self, site: str, when_s: float) -> None:
+    def _update_at(self, site: str, when_s: float) -> None:
         timer, armed_s = self._timers.get(site, (None, 0.0))
         if timer is not None:
             if armed_s <= when_s:
                 return
             timer.cancel()
         loop = asyncio.get_running_loop()
-        self._timers[site] = loop.call_at(when_s, self._look, site), when_s
+        self._timers[site] = loop.call_at(when_s, self._update_gateway, site), when_s
 
-    def _look(self, site: str) -> None:
+    def _update_gateway(self, site: str) -> None:
         del self._timers[site]
         live = self._sites.find_site(site)
         if live is None or live.link is None:
@@ -122,7 +122,7 @@ class WatchedSignals:
         if now_s >= ends_s:
             del self._idle_s[site]
             return watched
-        self._look_at(site, ends_s)
+        self._update_at(site, ends_s)
         return watched | told
 
     def _count_watched(self, live: LiveSite) -> tuple[NDArray[np.bool_], int]:

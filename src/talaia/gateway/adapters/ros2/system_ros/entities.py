@@ -1,4 +1,7 @@
-"""The entities of a node that stands for one of rclpy's: each is in the bridge, under a number."""
+"""The entities of a node that stands for one of rclpy's: each is in the bridge, under a number.
+
+Long, because rclpy's classes stand here for each other: each is made with the context and its node.
+"""
 
 from __future__ import annotations
 
