@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 
 from talaia.gateway.samples.batching import Batcher
 from talaia.gateway.samples.flush_pace import SOON_S
@@ -240,7 +240,27 @@ Steps = st.lists(
 )
 
 
+def turns_of(*steps: tuple[str, Any]) -> list[tuple[str, Any]]:
+    """Give steps after a while in which nobody spoke."""
+    return [("wait", 30), *steps]
+
+
 @given(Steps)
+# What is watched overtakes what is not, which follows.
+@example(turns_of(("watch", [0]), ("wait", 6), ("say", [1, 0, 2, 1]), ("wait", 1), ("say", [1, 0])))
+# A channel that waited is watched from here on: its newer samples do not overtake its older ones.
+@example(
+    turns_of(
+        ("watch", [0]),
+        ("wait", 6),
+        ("say", [0, 1]),
+        ("wait", 1),
+        ("watch", [0, 1]),
+        ("wait", 6),
+        ("say", [1, 0]),
+        ("wait", 1),
+    )
+)
 def test_each_sample_goes_out_once_in_the_order_of_its_channel_however_people_come_and_go(
     steps: list[tuple[str, Any]],
 ) -> None:

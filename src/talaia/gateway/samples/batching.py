@@ -212,8 +212,7 @@ class Batcher:
         if order is not None:
             by_place, watched = watched, np.zeros(_CHANNELS, bool)
             watched[: order.size] = by_place[order] & (order >= 0)
-        # By the old ones: no channel's newer samples overtake its older ones.
-        self.flush_batches()
+        # What waits is looked at by the new ones, oldest first: no channel overtakes itself.
         self._pace.wanted_s = every_s
         self._watched = watched if watched.any() else None
         return True
