@@ -79,8 +79,7 @@ async def load() -> list[Figure]:
             ("hub, 20 × 100 Hz, no browser", await alone, 25.0),
         ):
             figures.append(Figure(f"CPU of the {name}", used, limit, "% of a core"))
-        ages = await clients.listen(here, session, TOPICS, 0, 15)
-        figures += percentiles("ROS → WebSocket client of the hub", ages, 15, 30)
+        figures += await watched(here, session, TOPICS)
         many = [
             asyncio.create_task(clients.listen(here, session, TOPICS, 50, 20)) for _ in range(10)
         ]
@@ -89,6 +88,20 @@ async def load() -> list[Figure]:
         figures.append(Figure("CPU of the hub, ten browsers", used, 25.0, "% of a core"))
         await asyncio.gather(*many)
     return figures
+
+
+async def watched(here: stack.Stack, session: str, topics: int) -> list[Figure]:
+    """How old samples come to one who sees each of them, and what that costs, against nobody."""
+    alone = np.array(await asyncio.gather(*(stack.cpu_percent(part, 10) for part in here.parts)))
+    looking = asyncio.create_task(clients.listen(here, session, topics, 0, 17))
+    await asyncio.sleep(2)
+    used = np.array(await asyncio.gather(*(stack.cpu_percent(part, 14) for part in here.parts)))
+    ages = await looking
+    return [
+        *percentiles("ROS → WebSocket client of the hub", ages, 4, 10),
+        Figure("CPU of the gateway while it looks, of that without", used[0] / alone[0], 1.3, "×"),
+        Figure("CPU of the hub while it looks", used[1], 25.0, "% of a core"),
+    ]
 
 
 async def idle() -> list[Figure]:
@@ -172,8 +185,8 @@ async def many() -> list[Figure]:
     async with stack.running(100) as here, stack.publisher(here, 100, RATE):
         session = await clients.cookie(here)
         await asyncio.sleep(3)
-        ages = await clients.listen(here, session, 100, 0, 10)
-    return percentiles("ROS → WebSocket client, 10 000 samples/s", ages, 60, 60)
+        found = await watched(here, session, 100)
+    return [each._replace(what=f"10 000 samples/s: {each.what}") for each in found]
 
 
 async def spool() -> list[Figure]:

@@ -124,6 +124,7 @@ from talaia.wire.gateway_messages.samples import (
     ResendRequest,
     SampleBatch,
     SampleGap,
+    SignalSubscription,
 )
 from talaia.wire.gateway_messages.session import (
     Beat,
@@ -254,6 +255,7 @@ __all__ = [
     "SampleGap",
     "Scalar",
     "SightingReport",
+    "SignalSubscription",
     "StopRequest",
     "StopState",
     "StreamError",

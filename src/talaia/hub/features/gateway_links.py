@@ -57,6 +57,7 @@ class GatewayLinksFeature(Feature):
             sightings=sightings,
             media=media,
             taps=core.taps,
+            watched=core.fanout.watched,
             nights=nights,
             robot_log=robot_log,
             history=history,

@@ -60,6 +60,7 @@ from talaia.wire.gateway_messages.samples import (
     ResendRequest,
     SampleBatch,
     SampleGap,
+    SignalSubscription,
 )
 from talaia.wire.gateway_messages.session import (
     Beat,
@@ -150,6 +151,7 @@ FromHub = (
     | StreamSubscription
     | KeyframeRequest
     | TapSubscription
+    | SignalSubscription
     | ReconnectRequest
     | RecordingRequest
     | NightArmRequest

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.observing.night_link import NightLink
+    from talaia.hub.live.pages.watched_signals import WatchedSignals
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.robot_log_intake import RobotLogIntake
     from talaia.hub.live.sites import LiveSite, Sites
@@ -97,6 +98,7 @@ class LinkService:
         sightings: SightingJournal,
         media: PictureFanout,
         taps: TapFanout,
+        watched: WatchedSignals,
         nights: NightLink,
         robot_log: RobotLogIntake,
         history: History,
@@ -118,6 +120,7 @@ class LinkService:
             sightings: takes what cameras have seen.
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
+            watched: is told when a link can be asked to send soon what is on a screen.
             nights: takes how nights stand and what was observed.
             robot_log: takes lines of robots' own logs.
             history: keeps samples.
@@ -135,7 +138,7 @@ class LinkService:
         self._reporting = reporting
         self._samples = samples
         self._sightings = sightings
-        self._media, self._taps = media, taps
+        self._media, self._taps, self._watched = media, taps, watched
         self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance = attendance
         self._links = links
@@ -262,6 +265,7 @@ class LinkService:
             )
         self._media.watch(site)
         self._taps.link_up(site)
+        self._watched.link_up(site)
         _LOG.info("the gateway of %s is connected", site)
         return live
 
