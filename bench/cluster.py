@@ -23,11 +23,11 @@ import websockets
 from cluster_hubs import CHANNEL, EPOCH, SITE, Deployment, Gateway, Hub, deployment
 from figures import Figure, show_figures
 from link import crowd_at
+from stack import site_text
 from viewers import Pages, channels_of, role
 
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
-from stack import site_text
 
 TIMES = 300
 # Gateways whose cost is measured, each of so many signals at 1 Hz.

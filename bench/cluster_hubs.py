@@ -221,9 +221,7 @@ class Gateway:
     async def hello(self) -> None:
         """Say which site it is, and wait until it is linked."""
         await self._say(
-            frames.Hello(
-                site=SITE, boot=self._boot, description=site_text(1), catalogue="c1"
-            )
+            frames.Hello(site=SITE, boot=self._boot, description=site_text(1), catalogue="c1")
         )
         await self.welcomed.wait()
 

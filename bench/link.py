@@ -197,8 +197,9 @@ class JoinCost(NamedTuple):
     Attributes:
         joined_s: until all were linked the first time, and ``kept_s`` until of each a batch was
             acknowledged after that (s).
-        join_ms: CPU of the hub for each of them, until then (ms); ``again_ms``: after all had lost
-            the link, until they were linked again.
+        join_ms: CPU of the hub for each of them, until then (ms), without that for the samples of
+            those that are there already (``with_samples_ms``: with them).
+        again_ms: the same after all had lost the link, until they were linked again.
         back_s: until all were back (s).
         running: of a core, while they send.
         row_us: CPU of the hub for each sample meanwhile (µs).
@@ -209,6 +210,7 @@ class JoinCost(NamedTuple):
     joined_s: float
     kept_s: float
     join_ms: float
+    with_samples_ms: float
     again_ms: float
     back_s: float
     running: float
@@ -224,11 +226,15 @@ async def join(here: Stack, count: int, signals: int, seconds: float) -> JoinCos
         return sum(hub.cpu_times()[:2])
 
     await asyncio.sleep(2)
-    memory, before = hub.memory_info().rss, used_s()
+    before, began = used_s(), time.monotonic()
+    await asyncio.sleep(8)
+    alone = (used_s() - before) / (time.monotonic() - began)
+    memory, before, began = hub.memory_info().rss, used_s(), time.monotonic()
     async with crowd(here, count, signals) as many:
         joined_s = await many.all_back(300)
         kept_s = await many.all_kept(300)
-        join_s = used_s() - before
+        join_s = used_s() - before - alone * (time.monotonic() - began)
+        sent = await many.samples_sent()
         await asyncio.sleep(5)
         before, began = used_s(), time.monotonic()
         await asyncio.sleep(seconds)
@@ -238,9 +244,10 @@ async def join(here: Stack, count: int, signals: int, seconds: float) -> JoinCos
         await many.cut()
         back_s = await many.all_back(120)
         again_s = used_s() - before - running * back_s
+    row_s = (running - alone) / (count * signals) if signals else 0.0
     return JoinCost(
-        joined_s, kept_s, 1e3 * join_s / count, 1e3 * again_s / count, back_s, running,
-        1e6 * running / (count * signals), grown / count / 1024,
+        joined_s, kept_s, 1e3 * (join_s - row_s * sent) / count, 1e3 * join_s / count,
+        1e3 * again_s / count, back_s, running, 1e6 * row_s, grown / count / 1024,
     )  # fmt: skip
 
 

@@ -201,6 +201,8 @@ async def join() -> list[Figure]:
                    30 if last else math.inf, "s"),
             Figure("a batch of each acknowledged after another", found.kept_s, math.inf, "s"),
             Figure("CPU of the hub for each to join", found.join_ms, math.inf, "ms"),
+            Figure("the same with samples of those that are there", found.with_samples_ms,
+                   math.inf, "ms"),
             Figure("CPU for each to come again, known", found.again_ms, 10, "ms"),
             Figure("all back after a blow", found.back_s, 20 if last else math.inf, "s"),
             Figure("hub while they send", 100 * found.running, 70 if last else math.inf,

@@ -4,7 +4,7 @@
     viewers.py serve PORT CERTIFICATE BYTES HOW    a bare server: "broadcast" of the library
                                             websockets, or "written": ready bytes to each socket
 
-The certificate is the path of one, or "-" for plain TCP. Started by `measure`, which `run.py` calls.
+The certificate is the path of one, or "-" for plain TCP. `measure`, which `run.py` calls, starts both.
 Long, because pages, bare servers and what is measured of them belong to one another.
 """
 
@@ -25,7 +25,7 @@ import tempfile
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import httpx
 import numpy as np
@@ -115,7 +115,7 @@ class Looker:
         payload = browser.FROM_BROWSER.encode(asked)
         # A mask of zeros leaves the bytes as they are.
         line.sendall(struct.pack("!BBHI", 0x82, 0xFE, len(payload), 0) + payload)
-        line.setblocking(False)
+        line.settimeout(0)
         self._rest[line] = bytearray(rest)
         self._selector.register(line, selectors.EVENT_READ, line)
 
@@ -206,7 +206,7 @@ def look(port: int, certificate: str, kind: str) -> None:
 class _Written(asyncio.Protocol):
     """A socket to which ready bytes are written."""
 
-    everyone: set[asyncio.Transport] = set()
+    everyone: ClassVar[set[asyncio.Transport]] = set()
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         self._transport, self._head = transport, bytearray()
@@ -438,9 +438,7 @@ async def measure(counts: list[int], *, tls: bool) -> dict[str, list[Cost]]:
                 before, began = sum(process.cpu_times()[:2]), time.monotonic()
                 await asyncio.sleep(12)
                 alone_s = (sum(process.cpu_times()[:2]) - before) / (time.monotonic() - began)
-                ours = await _cost_of(
-                    hub.process.pid, port, certificate, cookies, counts, alone_s
-                )
+                ours = await _cost_of(hub.process.pid, port, certificate, cookies, counts, alone_s)
                 await gateway.end()
         finally:
             await end_all([hub])

@@ -157,7 +157,9 @@ async def test_nothing_is_written_after_the_farewell() -> None:
         assert client.close_code == 1000
 
 
-async def test_frames_written_for_many_and_messages_arrive_in_the_order_in_which_they_went() -> None:
+async def test_frames_written_for_many_and_messages_arrive_in_the_order_in_which_they_went() -> (
+    None
+):
     # RFC 6455 writes lengths up to 125, up to 65 535, and beyond in different ways.
     sent = [os.urandom(size) for size in (0, 125, 126, LARGEST_PIECE - 1, LARGEST_PIECE)]
     sent += ["", "ñ" * 100, "ñ" * 30_000]
