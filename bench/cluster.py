@@ -1,4 +1,4 @@
-"""Two hubs as one beside one hub, in one run: latency, processor time, memory, a hub that is killed.
+"""Two hubs as one beside one hub: latency, processor time, memory, a hub that is killed.
 
     PYTHONPATH=src python bench/cluster.py          all of it, about twelve minutes
     PYTHONPATH=src python bench/cluster.py way cpu  some: way, cpu, gateways, pages, kill

@@ -4,7 +4,7 @@
     viewers.py serve PORT CERTIFICATE BYTES HOW    a bare server: "broadcast" of the library
                                             websockets, or "written": ready bytes to each socket
 
-The certificate is the path of one, or "-" for plain TCP. `measure`, which `run.py` calls, starts both.
+The certificate is the path of one, or "-" for plain TCP. `measure` starts both, and `run.py` it.
 Long, because pages, bare servers and what is measured of them belong to one another.
 """
 

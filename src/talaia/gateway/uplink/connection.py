@@ -16,9 +16,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING, Protocol
 
 from websockets.asyncio.client import connect
-from websockets.asyncio.server import broadcast
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
-from websockets.protocol import State
 
 from talaia.gateway.errors import KeyRefused, LinkLost, RetryLater
 from talaia.gateway.uplink.dialling import first_to_end
@@ -360,16 +358,9 @@ class HubLink:
                 self._wake.clear()
                 await self._wake.wait()
             else:
-                await _send_frame(socket, data)
-
-
-async def _send_frame(socket: ClientConnection, data: bytes) -> None:
-    """Send a frame; waits while the socket's buffer is full, so that lanes can be overtaken."""
-    if socket.state is State.OPEN and socket.transport.get_write_buffer_size() < WRITE_LIMIT:
-        # The library's way without a wait: half of what `send` costs, fifty times a second.
-        broadcast((socket,), data)
-    else:
-        await socket.send(data)
+                # Waits while the socket's buffer is full, so what is urgent can still overtake in
+                # the lanes.
+                await socket.send(data)
 
 
 async def run_media(
