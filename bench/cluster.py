@@ -2,6 +2,7 @@
 
     PYTHONPATH=src python bench/cluster.py          all of it, about twelve minutes
     PYTHONPATH=src python bench/cluster.py way cpu  some: way, cpu, gateways, pages, kill
+    PYTHONPATH=src python bench/cluster.py gateways 50 100    with other numbers of gateways
 
 Needs nats-server, and PostgreSQL at TALAIA_TEST_POSTGRESQL. Two hubs are a lead and one that hands
 through; "far" is what comes in at the latter. Each figure stands beside its limit.
@@ -167,12 +168,12 @@ async def cpu() -> list[Figure]:
         ]  # fmt: skip
 
 
-async def gateways() -> list[Figure]:
+async def gateways(counts: tuple[int, ...] = COUNTS) -> list[Figure]:
     """What gateways of 50 signals at 1 Hz cost one hub, and two of which each has half."""
     figures: list[Figure] = []
     for hubs in (1, 2):
         costs = []
-        for count in COUNTS:
+        for count in counts:
             async with deployment(hubs) as here:
                 await asyncio.sleep(2)
                 memory = np.array([hub.program.memory_info().rss for hub in here.hubs])
@@ -204,7 +205,7 @@ async def gateways() -> list[Figure]:
         for what, at in (("while they send", 0), ("to join", 1)):
             some = [cost[at] for cost in costs]
             figures.append(
-                Figure(f"{what}, dearest beside cheapest of {COUNTS}", max(some) / min(some), 1.1,
+                Figure(f"{what}, dearest beside cheapest of {counts}", max(some) / min(some), 1.1,
                        "times")
             )  # fmt: skip
         figures.append(
@@ -286,10 +287,13 @@ def main() -> int:
     """Measure the parts asked for, and print them."""
     load_site(site_text(1))
     over = 0
-    for name in sys.argv[1:] or PARTS:
+    words = sys.argv[1:]
+    counts = tuple(int(word) for word in words if word.isdecimal()) or COUNTS
+    for name in [word for word in words if not word.isdecimal()] or PARTS:
         load = " ".join(f"{one:.1f}" for one in os.getloadavg())
         print(f"── {name}: {(PARTS[name].__doc__ or '').strip()} (load {load})", flush=True)
-        over += show_figures(asyncio.run(PARTS[name]()))
+        part = gateways(counts) if name == "gateways" else PARTS[name]()
+        over += show_figures(asyncio.run(part))
     return 1 if over else 0
 
 
