@@ -2,7 +2,7 @@
 
     PYTHONPATH=src python bench/cluster.py          all of it, about twelve minutes
     PYTHONPATH=src python bench/cluster.py way cpu  some: way, cpu, gateways, pages, kill
-    PYTHONPATH=src python bench/cluster.py gateways 50 100    with other numbers of gateways
+    PYTHONPATH=src python bench/cluster.py gateways 50 100    with other numbers (or: pages 200)
 
 Needs nats-server, and PostgreSQL at TALAIA_TEST_POSTGRESQL. Two hubs are a lead and one that hands
 through; "far" is what comes in at the latter. Each figure stands beside its limit.
@@ -18,6 +18,8 @@ import secrets
 import signal
 import sys
 import time
+from collections.abc import Callable, Coroutine
+from typing import Any
 
 import numpy as np
 import websockets
@@ -240,14 +242,14 @@ async def _serve_pages(here: Deployment, shares: list[int]) -> np.ndarray:
         sending.cancel()
 
 
-async def pages_() -> list[Figure]:
-    """500 pages that look at one signal at 10 Hz: at one hub, and half of them at each of two."""
+async def pages_(count: int = PAGES) -> list[Figure]:
+    """Pages that look at one signal at 10 Hz: at one hub, and half of them at each of two."""
     async with deployment(1) as here:
-        (one,) = await _serve_pages(here, [PAGES])
+        (one,) = await _serve_pages(here, [count])
     async with deployment(2) as here:
-        lead, other = await _serve_pages(here, [PAGES // 2, PAGES // 2])
+        lead, other = await _serve_pages(here, [count // 2, count // 2])
     return [
-        Figure(f"{PAGES} pages at {HERTZ} Hz at a hub that is alone", 100 * one, math.inf,
+        Figure(f"{count} pages at {HERTZ} Hz at a hub that is alone", 100 * one, math.inf,
                "% of a core"),
         Figure("half of them at each of two: the lead", 100 * lead, math.inf, "% of a core"),
         Figure("the other", 100 * other, math.inf, "% of a core"),
@@ -280,7 +282,13 @@ async def kill() -> list[Figure]:
     ]
 
 
-PARTS = {"way": way, "cpu": cpu, "gateways": gateways, "pages": pages_, "kill": kill}
+PARTS: dict[str, Callable[..., Coroutine[Any, Any, list[Figure]]]] = {
+    "way": way,
+    "cpu": cpu,
+    "gateways": gateways,
+    "pages": pages_,
+    "kill": kill,
+}
 
 
 def main() -> int:
@@ -288,11 +296,12 @@ def main() -> int:
     load_site(site_text(1))
     over = 0
     words = sys.argv[1:]
-    counts = tuple(int(word) for word in words if word.isdecimal()) or COUNTS
+    counts = tuple(int(word) for word in words if word.isdecimal())
     for name in [word for word in words if not word.isdecimal()] or PARTS:
         load = " ".join(f"{one:.1f}" for one in os.getloadavg())
         print(f"── {name}: {(PARTS[name].__doc__ or '').strip()} (load {load})", flush=True)
-        part = gateways(counts) if name == "gateways" else PARTS[name]()
+        chosen = {"gateways": (counts,), "pages": counts[:1]}.get(name, ()) if counts else ()
+        part: Coroutine[Any, Any, list[Figure]] = PARTS[name](*chosen)
         over += show_figures(asyncio.run(part))
     return 1 if over else 0
 

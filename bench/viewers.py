@@ -50,6 +50,8 @@ BATCH_MS, PAGE_MS = 20, 100
 _A_PERSON = 90
 # Pages whose frames are read; all others only take bytes off their sockets.
 WATCHERS = 20
+# A page comes again so often (once a second).
+_TRIES = 20
 _GREETING = (
     "GET {path} HTTP/1.1\r\nHost: localhost:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
@@ -99,18 +101,17 @@ class Looker:
 
     def open_page(self, cookie: str, site: str, channels: list[str], every_ms: int) -> None:
         """Open one page more, that looks at channels of a site."""
-        bare = socket.create_connection(("127.0.0.1", self._port), timeout=60)
-        line = self._trust.wrap_socket(bare, server_hostname="localhost") if self._trust else bare
-        scheme = "https" if self._trust else "http"
-        words = {"path": "/ws", "port": self._port, "cookie": cookie}
-        line.sendall(
-            _GREETING.format(origin=f"{scheme}://localhost:{self._port}", **words).encode()
-        )
-        answer = bytearray()
-        while b"\r\n\r\n" not in answer:
-            answer += line.recv(4096) or _stop(f"no answer: {answer[:200]!r}")
-        head, _, rest = bytes(answer).partition(b"\r\n\r\n")
-        assert head.startswith(b"HTTP/1.1 101"), head
+        for _ in range(_TRIES):
+            line, answer = self._dial(cookie)
+            head, _, rest = answer.partition(b"\r\n\r\n")
+            if head.startswith(b"HTTP/1.1 101"):
+                break
+            # A hub that is too busy to look up a session says so, and a page comes again.
+            line.close()
+            assert head.startswith(b"HTTP/1.1 503"), head
+            time.sleep(1)
+        else:
+            _stop("a page was not let in")
         asked = browser.Subscribe(sub=1, site=site, channels=channels, every_ms=every_ms)
         payload = browser.FROM_BROWSER.encode(asked)
         # A mask of zeros leaves the bytes as they are.
@@ -118,6 +119,19 @@ class Looker:
         line.settimeout(0)
         self._rest[line] = bytearray(rest)
         self._selector.register(line, selectors.EVENT_READ, line)
+
+    def _dial(self, cookie: str) -> tuple[socket.socket, bytes]:
+        bare = socket.create_connection(("127.0.0.1", self._port), timeout=60)
+        line = self._trust.wrap_socket(bare, server_hostname="localhost") if self._trust else bare
+        scheme = "https" if self._trust else "http"
+        words = {"path": "/ws", "port": self._port, "cookie": cookie}
+        line.sendall(
+            _GREETING.format(origin=f"{scheme}://localhost:{self._port}", **words).encode()
+        )
+        answer = b""
+        while b"\r\n\r\n" not in answer:
+            answer += line.recv(4096) or _stop(f"no answer: {answer[:200]!r}")
+        return line, answer
 
     def read_once(self, wait_s: float) -> None:
         """Read what is there."""
