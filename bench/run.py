@@ -6,7 +6,7 @@
                                  signin, press, many, spool, storm,
                                  join, load-description, camera, camera-slow, camera-crowd,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
-                                 board, scene, fleet, past
+                                 board, scene, fleet, past, viewers
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -23,7 +23,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import boards
 import cameras
@@ -38,6 +38,8 @@ import scenes
 import signin
 import stack
 import taps
+import viewers
+from figures import Figure, percentiles, show_figures
 
 TOPICS, RATE = 20, 100.0
 PEOPLE = 50
@@ -45,25 +47,6 @@ if TYPE_CHECKING:
     from talaia.hub.settings import Settings
 
 ROOT = Path(__file__).resolve().parent.parent
-
-
-class Figure(NamedTuple):
-    """One measured number, its limit and its unit."""
-
-    what: str
-    measured: float
-    limit: float
-    unit: str
-
-
-def percentiles(what: str, ages: np.ndarray, p50: float, p99: float) -> list[Figure]:
-    """Give the two figures of a distribution of ages in ms."""
-    if not ages.size:
-        raise SystemExit(f"{what}: nothing arrived")
-    return [
-        Figure(f"{what}, p50 of {ages.size}", float(np.percentile(ages, 50)), p50, "ms"),
-        Figure(f"{what}, p99", float(np.percentile(ages, 99)), p99, "ms"),
-    ]
 
 
 async def load() -> list[Figure]:
@@ -232,6 +215,8 @@ async def join() -> list[Figure]:
                    30 if last else math.inf, "s"),
             Figure("a batch of each acknowledged after another", found.kept_s, math.inf, "s"),
             Figure("CPU of the hub for each to join", found.join_ms, math.inf, "ms"),
+            Figure("the same with samples of those that are there", found.with_samples_ms,
+                   math.inf, "ms"),
             Figure("CPU for each to come again, known", found.again_ms, 10, "ms"),
             Figure("all back after a blow", found.back_s, 20 if last else math.inf, "s"),
             Figure("hub while they send", 100 * found.running, 70 if last else math.inf,
@@ -245,6 +230,29 @@ async def join() -> list[Figure]:
                max(costs[each].join_ms for each in costs if each >= 50)
                / min(costs[each].join_ms for each in costs if each >= 50), 1.1, "times"),
     ]  # fmt: skip
+
+
+async def viewers_() -> list[Figure]:
+    """50 to 500 pages that look at ten signals at 10 Hz, beside bare servers of such frames."""
+    figures = []
+    for tls in (False, True):
+        found = await viewers.measure([50, 200, 500], tls=tls)
+        for at, ours in enumerate(found["hub"]):
+            name = f"{ours.pages} pages{', TLS' if tls else ''}"
+            figures += [
+                Figure(f"{name}: CPU of the hub for a frame and page", ours.frame_us,
+                       math.inf if tls else 20, "µs"),
+                *(
+                    Figure(f"{name}: {what}", found[how][at].frame_us, math.inf, "µs")
+                    for how, what in (("broadcast", "the same of broadcast of websockets"),
+                                      ("written", "the same of ready bytes to each socket"))
+                ),
+                Figure(f"{name}: age of the newest sample, p50", ours.p50, math.inf, "ms"),
+                Figure(f"{name}: the same, p99", ours.p99, 60, "ms"),
+                Figure(f"{name}: p99 of broadcast's own frames", found["broadcast"][at].p99,
+                       math.inf, "ms"),
+            ]  # fmt: skip
+    return figures
 
 
 async def history() -> list[Figure]:
@@ -665,7 +673,7 @@ PARTS = {
     "history-export": history_export, "history-servers": history_servers,
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
     "camera-crowd": camera_crowd, "objects": see, "objects-drive": see_and_drive, "press": press,
-    "many": many, "spool": spool, "storm": storm, "join": join, "taps": taps_,
+    "many": many, "spool": spool, "storm": storm, "join": join, "viewers": viewers_, "taps": taps_,
     "taps-cloud": taps_cloud, "taps-drive": taps_drive,
 }  # fmt: skip
 
@@ -678,16 +686,7 @@ def main() -> int:
     over = 0
     for name in chosen:
         print(f"── {name}: {(PARTS[name].__doc__ or '').strip()}", flush=True)
-        for figure in asyncio.run(PARTS[name]()):
-            fits = figure.measured <= figure.limit
-            over += not fits
-            ratio = figure.measured / figure.limit if figure.limit else 0.0
-            mark = "" if fits else "   OVER"
-            print(
-                f"   {figure.what:<56} {figure.measured:8.2f} {figure.unit:<11}"
-                f" limit {figure.limit:6.1f}  ratio {ratio:5.2f}{mark}",
-                flush=True,
-            )
+        over += show_figures(asyncio.run(PARTS[name]()))
     return 1 if over else 0
 
 
