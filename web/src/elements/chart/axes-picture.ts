@@ -1,9 +1,10 @@
 /** The axes of a chart as a picture, kept while they stay as they are: to write their numbers takes longer than to draw the traces. */
 
 export class AxesPicture {
-  private readonly canvas = document.createElement("canvas");
   private key = "";
   private holds = false;
+
+  constructor(private readonly canvas: HTMLCanvasElement = document.createElement("canvas")) {}
 
   /** Puts the axes on a canvas, and clears the rest of it; false where others are kept. */
   drawOn(ctx: CanvasRenderingContext2D, key: string): boolean {
