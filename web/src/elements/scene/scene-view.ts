@@ -355,13 +355,12 @@ export class SceneView implements SceneDrawing {
 }
 
 /**
- * What is opaque is drawn alone: where what lies behind the canvas may shine through, the browser draws that for each
- * frame, too. In software that costs less than to keep a picture opaque, whose every stroke is drawn under a mask.
+ * Three's own way would let what lies behind the canvas shine through: then the browser draws that for each frame, too,
+ * and mixes both. What is opaque is drawn alone.
  */
 function openGraphics(canvas: HTMLCanvasElement): WebGL2RenderingContext {
-  const software = isSoftware(rendererName());
   // In software smooth edges take as long as all the rest together.
-  const context = canvas.getContext("webgl2", { alpha: software, antialias: !software, preserveDrawingBuffer: false });
+  const context = canvas.getContext("webgl2", { alpha: false, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
   if (context === null) throw new Error("no WebGL");
   return context;
 }
