@@ -6,7 +6,7 @@
                                  signin, press, many, spool, storm,
                                  join, load-description, camera, camera-slow, camera-crowd,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
-                                 board, scene, fleet, past, viewers
+                                 board, scene, scene-cloud, fleet, past, viewers
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -624,49 +624,63 @@ async def past_() -> list[Figure]:
 
 
 async def scene() -> list[Figure]:
-    """A robot of 30 links and a scan in space, then with 100 000 points, beside a bare page."""
+    """A robot of 30 links and a scan in space, beside a bare page."""
     words = ("--links", str(scenes.LINKS), "--scan", "10")
     async with stack.running(0, tapped=True) as here, scenes.robot(here, *words):
-        alone = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
-        async with scenes.robot(here, "--cloud", "10"):
-            whole = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
-            looking, elsewhere = await scenes.heard_elsewhere(here)
-    figures = []
-    for what, (ours, bare) in (("scan and links", alone), ("with the cloud", whole)):
-        ratio = float(np.median([a.frames / b.frames for a, b in zip(ours, bare, strict=True)]))
-        ages = [np.concatenate([one.scan_ms for one in them]) for them in (ours, bare)]
-        own, theirs = (float(np.median(each)) for each in ages)
-        limit = 60 if ours is alone[0] else theirs + 30
-        figures += [
-            Figure(f"{what}: bare page's frames beside ours, of the median round", 1 / ratio,
-                   1 / 0.9, "times"),
-            Figure(f"{what}: frames", -float(np.median([one.frames for one in ours])), math.inf,
-                   "Hz (-)"),
-            Figure(f"{what}: frames of the bare page",
-                   -float(np.median([one.frames for one in bare])), math.inf, "Hz (-)"),
-            Figure(f"{what}: scan published → painted, p50 of {ages[0].size}", own, limit, "ms"),
-            Figure(f"{what}: the same of the bare page, p50 of {ages[1].size}", theirs, math.inf,
-                   "ms"),
-            Figure(f"{what}: processor time of a frame beside the bare page's",
-                   float(np.median([a.frame_ms / b.frame_ms
-                                    for a, b in zip(ours, bare, strict=True)])), 1 / 0.9, "times"),
-            Figure(f"{what}: the page's process",
-                   float(np.median([one.page for one in ours])), math.inf, "% of a core"),
-            Figure(f"{what}: that of the bare page",
-                   float(np.median([one.page for one in bare])), math.inf, "% of a core"),
-            Figure(f"{what}: clouds painted, ours and bare",
-                   float(np.median([one.clouds for one in ours])),
-                   math.inf, f"Hz ({np.median([one.clouds for one in bare]):.1f})"),
-        ]  # fmt: skip
+        ours, bare = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
+    return scene_figures("scan and links", ours, bare, limit_ms=60)
+
+
+async def scene_cloud() -> list[Figure]:
+    """The same with 100 000 points, and what is heard of the robot for another page."""
+    words = ("--links", str(scenes.LINKS), "--scan", "10")
+    async with (
+        stack.running(0, tapped=True) as here,
+        scenes.robot(here, *words),
+        scenes.robot(here, "--cloud", "10"),
+    ):
+        ours, bare = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
+        looking, elsewhere = await scenes.heard_elsewhere(here)
+    theirs = float(np.median(np.concatenate([one.scan_ms for one in bare])))
     return [
-        *figures,
+        *scene_figures("with the cloud", ours, bare, limit_ms=theirs + 30),
         Figure("subscriptions on the robot while it is looked at", looking, 3, ""),
         Figure("the same from another page", elsewhere, 0, ""),
     ]
 
 
+def scene_figures(
+    what: str, ours: list[scenes.Seen], bare: list[scenes.Seen], *, limit_ms: float
+) -> list[Figure]:
+    """Give the figures of our page and of the bare one, drawn by turns."""
+    pairs = list(zip(ours, bare, strict=True))
+    ratio = float(np.median([a.frames / b.frames for a, b in pairs]))
+    ages, their_ages = (np.concatenate([one.scan_ms for one in them]) for them in (ours, bare))
+    return [
+        Figure(f"{what}: bare page's frames beside ours, of the median round", 1 / ratio,
+               1 / 0.9, "times"),
+        Figure(f"{what}: frames", -float(np.median([one.frames for one in ours])), math.inf,
+               "Hz (-)"),
+        Figure(f"{what}: frames of the bare page",
+               -float(np.median([one.frames for one in bare])), math.inf, "Hz (-)"),
+        Figure(f"{what}: scan published → painted, p50 of {ages.size}", float(np.median(ages)),
+               limit_ms, "ms"),
+        Figure(f"{what}: the same of the bare page, p50 of {their_ages.size}",
+               float(np.median(their_ages)), math.inf, "ms"),
+        Figure(f"{what}: processor time of a frame beside the bare page's",
+               float(np.median([a.frame_ms / b.frame_ms for a, b in pairs])), 1 / 0.9, "times"),
+        Figure(f"{what}: the page's process",
+               float(np.median([one.page for one in ours])), math.inf, "% of a core"),
+        Figure(f"{what}: that of the bare page",
+               float(np.median([one.page for one in bare])), math.inf, "% of a core"),
+        Figure(f"{what}: clouds painted, ours and bare",
+               float(np.median([one.clouds for one in ours])),
+               math.inf, f"Hz ({np.median([one.clouds for one in bare]):.1f})"),
+    ]  # fmt: skip
+
+
 PARTS = {
-    "scene": scene, "board": board, "fleet": fleet, "past": past_,
+    "scene": scene, "scene-cloud": scene_cloud, "board": board, "fleet": fleet, "past": past_,
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,
