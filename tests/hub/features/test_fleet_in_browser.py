@@ -57,6 +57,17 @@ async def assert_screens(page, name: str) -> None:
             await page.screenshot(path=picture, full_page=True)
 
 
+async def test_home_shows_few_sites_with_a_live_picture_of_each(chromium, hub, fleet) -> None:
+    page = await sign_in(chromium, hub, "operator")
+    cards = page.locator("t-site-card")
+    await expect(cards).to_have_count(3)
+    for name in fleet:
+        card = cards.filter(has_text=name)
+        await expect(card.locator("t-thumbnail")).to_contain_text("Waiting for a picture")
+    await assert_screens(page, "home-few")
+    assert page.errors == []
+
+
 async def test_stop_for_the_chosen_stops_these_and_no_other_and_says_how_far_it_got(
     chromium, hub, fleet
 ) -> None:
@@ -111,5 +122,8 @@ async def test_command_to_a_group_says_who_will_do_it_and_what_became_of_it_at_e
     await expect(results.filter(has_text="Bruno")).to_contain_text("Rain locks it")
     await expect(command.get_by_text("2 of 2 ended, 1 succeeded")).to_be_visible()
     await assert_screens(page, "fleet-results")
+    # Its lines go by names also when others are chosen by then.
+    await page.get_by_role("button", name="Choose none").click()
+    await expect(results.filter(has_text="Anna")).to_contain_text("wandering")
     assert not [one for one in fleet["Clara"].heard if isinstance(one, frames.CommandRequest)]
     assert page.errors == []

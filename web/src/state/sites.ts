@@ -3,6 +3,7 @@
 import type { SiteUpdate } from "../generated/wire.js";
 import type { SiteShape, SiteSummary } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
+import { withUniqueNames } from "./site-names.js";
 import { Store } from "./store.js";
 
 export type LoadState = "idle" | "loading" | "ready" | "failed";
@@ -23,6 +24,7 @@ export class Sites extends Store {
     super();
   }
 
+  /** No two have one name. */
   get list(): readonly SiteSummary[] {
     return this.rows;
   }
@@ -60,7 +62,7 @@ export class Sites extends Store {
     if (this.loading !== "ready") this.loading = "loading";
     this.notifyWatchers();
     try {
-      this.rows = await this.api.sites();
+      this.rows = withUniqueNames(await this.api.sites());
       this.loading = "ready";
       this.problem = null;
     } catch (error) {

@@ -64,20 +64,18 @@ export class FleetCard extends LitElement {
   ];
 
   @property({ attribute: false }) row: SiteSummary | null = null;
-  /** As it is shown: no two sites have the same. */
-  @property() name = "";
   @property({ type: Number }) bad = 0;
   @property({ type: Number }) warn = 0;
   /** Without a picture. */
   @property({ type: Boolean, reflect: true }) plain = false;
 
   override render(): TemplateResult | typeof nothing {
-    const { row, name } = this;
+    const { row } = this;
     if (row === null) return nothing;
-    return html`${this.plain ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${msg(str`Live picture of ${name}`)}></t-thumbnail>`}
+    return html`${this.plain ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${msg(str`Live picture of ${row.name}`)}></t-thumbnail>`}
       <div class="words">
         <div class="head">
-          <h3><a href=${sitePath(row.site, "live")}>${name}</a></h3>
+          <h3><a href=${sitePath(row.site, "live")}>${row.name}</a></h3>
           <t-status kind=${row.online ? "online" : "offline"}></t-status>
         </div>
         ${renderGlance(row, this)}
