@@ -141,7 +141,7 @@ async def test_one_board_serves_each_robot_of_a_kind_and_says_what_one_of_them_l
     await page.get_by_role("button", name="Done").click()
     # A command of whichever device is chosen above the board.
     await bar.get_by_role("button", name="Add a tile").click()
-    await page.get_by_role("button", name="Command").click()
+    await page.get_by_role("button", name="Command A button").click()
     await form.get_by_label("Command").select_option(label="Wander about of the chosen device")
     await page.get_by_role("button", name="Done").click()
     await bar.get_by_role("button", name="Save", exact=True).click()
