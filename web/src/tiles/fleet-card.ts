@@ -3,11 +3,11 @@
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { ConnectionStateController } from "../controllers/connection-state.js";
 import { base, panelBox, quietText } from "../elements/base/base-style.js";
-import { renderGlance } from "./site-glance.js";
+import { renderGlance, renderStanding } from "./site-glance.js";
 import { sitePath } from "../state/router.js";
 import type { SiteSummary } from "../generated/api.js";
-import "../elements/feedback/status.js";
 import "./thumbnail.js";
 
 @customElement("t-fleet-card")
@@ -68,6 +68,7 @@ export class FleetCard extends LitElement {
   @property({ type: Number }) warn = 0;
   /** Without a picture. */
   @property({ type: Boolean, reflect: true }) plain = false;
+  private readonly link = new ConnectionStateController(this);
 
   override render(): TemplateResult | typeof nothing {
     const { row } = this;
@@ -76,7 +77,7 @@ export class FleetCard extends LitElement {
       <div class="words">
         <div class="head">
           <h3><a href=${sitePath(row.site, "live")}>${row.name}</a></h3>
-          <t-status kind=${row.online ? "online" : "offline"}></t-status>
+          ${renderStanding(row, this.link.state)}
         </div>
         ${renderGlance(row, this)}
       </div>`;

@@ -3,6 +3,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../controllers/load.js";
+import { ConnectionStateController } from "../controllers/connection-state.js";
 import { ContextStoreController } from "../controllers/context-store.js";
 import { TickerController } from "../controllers/ticker.js";
 import { base, quietText } from "../elements/base/base-style.js";
@@ -13,12 +14,11 @@ import { sitePath } from "../state/router.js";
 import type { SignalShape, SiteShape, SiteSummary } from "../generated/api.js";
 import "../elements/layout/card.js";
 import "../elements/base/icon.js";
-import "../elements/feedback/status.js";
 import "../elements/values/time.js";
 import { firstPageOf, firstPageSignals } from "./catalog.js";
 import "./observatory/device-summary.js";
 import "./signal-value.js";
-import { renderGlance } from "./site-glance.js";
+import { renderGlance, renderStanding } from "./site-glance.js";
 import { troubleAt } from "./site-trouble.js";
 import "./thumbnail.js";
 
@@ -167,6 +167,7 @@ export class SiteCard extends LitElement {
 
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly alarms = new ContextStoreController(this, alarmsContext);
+  private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteShape>(this);
 
   constructor() {
@@ -190,13 +191,15 @@ export class SiteCard extends LitElement {
         <div class="words">
           <div class="head">
             <h2><a href=${sitePath(row.site, "live")}>${row.name}</a></h2>
-            <t-status kind=${row.online ? "online" : "offline"}></t-status>
+            ${renderStanding(row, this.link.state)}
           </div>
           <p class="facts">
             ${plural(row.devices, msg("1 device"), msg(str`${String(row.devices)} devices`))}, ${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}${staleness(row)} ·
-            ${row.online
-              ? html`${msg(str`online for ${since}`)}`
-              : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}
+            ${this.link.state === "lost"
+              ? msg("connection lost")
+              : row.online
+                ? html`${msg(str`online for ${since}`)}`
+                : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}
           </p>
           ${row.online ? renderGlance(row, troubleAt(this.alarms.store, row.site)) : nothing}
         </div>

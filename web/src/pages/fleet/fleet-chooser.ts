@@ -4,15 +4,16 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import type { SiteSummary } from "../../generated/api.js";
+import { renderStanding } from "../../tiles/site-glance.js";
 import type { SiteTrouble } from "../../tiles/site-trouble.js";
 import { fleetGroups, tagsOf, type FleetGroup } from "../home/fleet-list.js";
 import { ShownRowsController } from "../home/shown-rows.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 
 const NO_TROUBLES: ReadonlyMap<string, SiteTrouble> = new Map();
@@ -88,6 +89,7 @@ export class FleetChooser extends LitElement {
   @state() private words = "";
   @state() private tag = "";
   @query(".end") private readonly end!: HTMLElement | null;
+  private readonly link = new ConnectionStateController(this);
   private readonly shown = new ShownRowsController(this, () => this.end);
 
   override render(): TemplateResult {
@@ -128,7 +130,7 @@ export class FleetChooser extends LitElement {
             <label>
               <input type="checkbox" name=${site} .checked=${this.chosen.has(site)} @change=${this.onTick} />
               <span>${shown} <span class="facts">${[state, ...tags.map((tag) => `#${tag}`)].filter(Boolean).join(" · ")}</span></span>
-              <t-status kind=${online ? "online" : "offline"}></t-status>
+              ${renderStanding({ online }, this.link.state)}
             </label>
           </li>`,
         )}
