@@ -154,6 +154,21 @@ async def test_one_board_serves_each_robot_of_a_kind_and_says_what_one_of_them_l
         {"signals": ["base/turn_rate", "@battery.level"]},
         {"command": "$device/wander"},
     ]
+
+    # It goes out as a file, and comes back the same; another file is told what it lacks.
+    await page.get_by_role("button", name="More of this board").click()
+    async with page.expect_download() as saved:
+        await page.get_by_role("button", name="Export as YAML").click()
+    await page.goto(f"{hub.origin}/boards")
+    file = page.get_by_label("A board's file")
+    wrong = {"name": "site.yaml", "mimeType": "text/yaml", "buffer": b"talaia: 1"}
+    await file.set_input_files(wrong)
+    await expect(page.get_by_text("The file is no board: $.board")).to_be_visible()
+    await file.set_input_files(await (await saved.value).path())
+    await expect(bar).to_be_visible()
+    rows = (await operator.get("/api/boards")).json()["boards"]
+    (other,) = {row["key"] for row in rows} - {key}
+    assert (await operator.get(f"/api/boards/{other}")).json()["board"] == kept
     assert page.errors == []
 
 
