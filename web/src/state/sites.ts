@@ -3,7 +3,6 @@
 import type { SiteUpdate } from "../generated/wire.js";
 import type { SiteShape, SiteSummary } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
-import { withUniqueNames } from "./site-names.js";
 import { Store } from "./store.js";
 
 export type LoadState = "idle" | "loading" | "ready" | "failed";
@@ -11,6 +10,18 @@ export type LoadState = "idle" | "loading" | "ready" | "failed";
 /** With more sites than this (each tells of itself every few seconds), pages are told of news together, so often (ms). */
 const MANY = 50;
 const TOGETHER_MS = 500;
+
+/** Letters without case and accents: who looks for "Pena" finds "Peña". */
+export function foldedText(text: string): string {
+  return text.normalize("NFD").replaceAll(/\p{M}/gu, "").toLowerCase();
+}
+
+/** The same sites; where two have one name, each says its id behind it. */
+function withUniqueNames(rows: readonly SiteSummary[]): readonly SiteSummary[] {
+  const counts = new Map<string, number>();
+  for (const { name } of rows) counts.set(foldedText(name), (counts.get(foldedText(name)) ?? 0) + 1);
+  return rows.map((row) => ((counts.get(foldedText(row.name)) ?? 0) > 1 ? { ...row, name: `${row.name} (${row.site})` } : row));
+}
 
 export class Sites extends Store {
   private rows: readonly SiteSummary[] = [];

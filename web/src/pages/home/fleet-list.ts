@@ -2,7 +2,7 @@
 
 import { msg } from "@lit/localize";
 import type { SiteSummary } from "../../generated/api.js";
-import { foldedText } from "../../state/site-names.js";
+import { foldedText } from "../../state/sites.js";
 import { NO_TROUBLE, type SiteTrouble } from "../../tiles/site-trouble.js";
 
 export const FLEET_ORDERS = [
