@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.blocks.journal import read_row, write_row
+from talaia.hub.history.blocks.journal import part_of, read_row, read_rows, write_row
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import Columns
 
@@ -38,6 +38,33 @@ def test_what_is_packed_comes_back_channel_by_channel(rows, times, apart) -> Non
     ]
     columns = batch(rows)
     assert of_channels(read_row(write_row(columns))) == of_channels(columns)
+
+
+rows_of_a_batch = st.lists(row, min_size=1, max_size=5)
+
+
+@given(st.lists(st.tuples(rows_of_a_batch, st.sampled_from([1, 1, 1, 60]), st.booleans())))
+def test_many_rows_that_are_read_at_once_are_those_that_are_read_one_by_one(batches) -> None:
+    bodies = [write_row(batch(rows * times)) for rows, times, _ in batches]
+    # Some of them damaged.
+    bodies = [
+        b"\x07" + body[1:] if is_damaged else body
+        for body, (_, _, is_damaged) in zip(bodies, batches, strict=True)
+    ]
+    read = read_rows(bodies)
+
+    whole = [read_row(body) for at, body in enumerate(bodies) if at not in read.damaged]
+    assert {at for at, (_, _, is_damaged) in enumerate(batches) if is_damaged} == {*read.damaged}
+    ends = np.cumsum(read.sizes)
+    found = [
+        part_of(read.columns, int(end - size), int(end))
+        for at, (end, size) in enumerate(zip(ends, read.sizes, strict=True))
+        if at not in read.damaged
+    ]
+    assert [of_channels(columns) for columns in found] == [
+        of_channels(columns) for columns in whole
+    ]
+    assert all(read.sizes[at] == 0 for at in read.damaged)
 
 
 def test_a_large_batch_takes_a_fraction_of_its_bytes() -> None:

@@ -42,6 +42,17 @@ def tails_of(rows, *, recent=8, deal=True):
     return tails
 
 
+def test_of_rows_that_are_joined_the_last_one_counts_as_dealt_and_the_first_is_kept() -> None:
+    tails = Tails(1, 0, 8)
+    tails.add_chunks([chunk_of(5, [(0, 1, ""), (1, 2, "")])], 9)
+    tails.deal_chunks()
+    # A block that is made now has all of them: what stands after it in the journal is new.
+    assert tails.dealt_row == 9
+    assert tails.needed_row() == 5
+    tails.forget_sealed([0, 1], 2)
+    assert tails.needed_row() == 10
+
+
 @given(batches, st.booleans())
 def test_a_snapshot_has_each_sample_of_a_channel_once_and_in_order(rows, deal) -> None:
     tails = tails_of(rows, deal=deal)

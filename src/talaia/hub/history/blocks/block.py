@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
-from pcodec import ChunkConfig, standalone
+from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from talaia.hub.history.errors import HistoryError
 
@@ -37,6 +37,8 @@ _HEAD = struct.Struct("<BI")
 _LENGTH = struct.Struct("<I")
 # Level 4 is the knee: above it, time grows and size hardly shrinks.
 _CONFIG = ChunkConfig(compression_level=4)
+# As a row of the journal is packed: nothing is tried.
+_QUICK_CONFIG = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.try_consecutive(1))
 _TEXTS = msgspec.msgpack.Decoder(dict[int, str])
 HOUR_US = 3_600_000_000
 # A pause so many times the usual step (and over an hour) ends a block.
@@ -121,10 +123,11 @@ def split_blocks(samples: BlockSamples, block: int) -> Iterator[BlockSamples]:
             )
 
 
-def encode_block(samples: BlockSamples) -> bytes:
-    """Compress samples, in the order given."""
-    times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), _CONFIG)
-    values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), _CONFIG)
+def encode_block(samples: BlockSamples, *, is_kept: bool = True) -> bytes:
+    """Compress samples, in the order given; less, in less time, what is not kept for long."""
+    config = _CONFIG if is_kept else _QUICK_CONFIG
+    times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), config)
+    values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), config)
     texts = msgspec.msgpack.encode(samples.texts) if samples.texts else b""
     return b"".join(
         (_HEAD.pack(VERSION, len(times)), times, _LENGTH.pack(len(values)), values, texts)

@@ -17,19 +17,20 @@ body is of version 3, whose channels and counts are compressed like the times, w
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import MAX_SPAN_US, Columns
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Sequence
 
-__all__ = ["part_of", "read_row", "write_row"]
+__all__ = ["JournalSamples", "part_of", "read_row", "read_rows", "write_row"]
 
 PLAIN, PACKED, MANY_CHANNELS = 1, 2, 3
 # Below this, compressing takes longer than it saves.
@@ -94,6 +95,96 @@ def read_row(body: bytes) -> Columns:
     except (struct.error, ValueError, RuntimeError) as error:  # msgspec's errors are ValueErrors
         raise HistoryError(f"a journal row of {len(body)} bytes is damaged: {error}") from error
     return Columns(channel, offset.astype(np.int64) + base, value, texts)
+
+
+class JournalSamples(NamedTuple):
+    """The samples of many rows, one row after the other.
+
+    Attributes:
+        columns: of all rows; n samples.
+        sizes: how many each row has, of shape (rows,); 0 for a damaged one.
+        damaged: what is wrong with a row, by its place among the rows.
+
+    """
+
+    columns: Columns
+    sizes: NDArray[np.int64]
+    damaged: dict[int, HistoryError]
+
+
+def read_rows(bodies: Sequence[bytes]) -> JournalSamples:
+    """Unpack many batches: small ones together, for each alone takes longer than its samples."""
+    sizes = np.zeros(len(bodies), np.int64)
+    damaged: dict[int, HistoryError] = {}
+    parts: list[Columns] = []
+    plain = _PlainRows()
+    for at, body in enumerate(bodies):
+        count = plain.add_row(body)
+        if not count:
+            # It is read by itself, and stands behind those before it.
+            parts.append(plain.read_columns())
+            plain = _PlainRows()
+            try:
+                part = read_row(body)
+            except HistoryError as error:
+                damaged[at] = error
+                continue
+            parts.append(part)
+            count = len(part)
+        sizes[at] = count
+    return JournalSamples(_join_columns([*parts, plain.read_columns()]), sizes, damaged)
+
+
+class _PlainRows:
+    """Rows of the commonest kind: a few numbers with times that are near to each other."""
+
+    def __init__(self) -> None:
+        self._counts: list[int] = []
+        self._bases: list[int] = []
+        # The three columns of each.
+        self._channels: list[bytes] = []
+        self._offsets: list[bytes] = []
+        self._values: list[bytes] = []
+
+    def add_row(self, body: bytes) -> int:
+        """Take a row and give its number of samples; 0 if it is of another kind, or damaged."""
+        if len(body) <= _HEAD.size:
+            return 0
+        version, size, count, base = _HEAD.unpack_from(body)
+        offsets = _HEAD.size + 2 * count
+        values = offsets + 4 * count
+        if version != PLAIN or size != 4 or len(body) != values + 8 * count:
+            return 0
+        self._counts.append(count)
+        self._bases.append(base)
+        self._channels.append(body[_HEAD.size : offsets])
+        self._offsets.append(body[offsets:values])
+        self._values.append(body[values:])
+        return int(count)
+
+    def read_columns(self) -> Columns:
+        """Give the samples of all."""
+        base = np.repeat(np.array(self._bases, np.int64), self._counts)
+        return Columns(
+            np.frombuffer(b"".join(self._channels), "<u2"),
+            np.frombuffer(b"".join(self._offsets), "<i4") + base,
+            np.frombuffer(b"".join(self._values), "<f8"),
+            {},
+        )
+
+
+def _join_columns(parts: Sequence[Columns]) -> Columns:
+    texts: dict[int, str] = {}
+    at = 0
+    for part in parts:
+        texts.update({at + position: text for position, text in part.texts.items()})
+        at += len(part)
+    return Columns(
+        np.concatenate([part.channel for part in parts]),
+        np.concatenate([part.time_us for part in parts]),
+        np.concatenate([part.value for part in parts]),
+        texts,
+    )
 
 
 def _pack_columns(columns: Columns) -> bytes:

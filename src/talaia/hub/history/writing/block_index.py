@@ -19,7 +19,7 @@ import numpy as np
 from sqlalchemy import delete, func, insert, select
 
 from talaia.hub.history.blocks.block import concatenate_samples, decode_block
-from talaia.hub.history.blocks.journal import part_of, read_row, write_row
+from talaia.hub.history.blocks.journal import part_of, write_row
 from talaia.hub.history.blocks.journal_rows import JournalRows
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.plain_rows import Recent
@@ -32,6 +32,12 @@ from talaia.hub.history.writing.compaction import (
     read_newest,
     save_tail,
     seal_tail,
+    write_tails,
+)
+from talaia.hub.history.writing.journal_replay import (
+    JournalReader,
+    JournalTargets,
+    replay_journal,
 )
 from talaia.hub.history.writing.open_blocks import Chunk, Tails
 from talaia.hub.history.writing.retention import delete_blocks
@@ -176,7 +182,10 @@ class BlockIndex:
                 ids = np.full(samples.time_us.size, row.channel_id, np.int64)
                 self._recent.add_chunks([Chunk(0, ids, *samples)])
             self._next_row = max(done + 1, names.next_of("row"))
-            self._replay_journal(connection, names, tails)
+            reader = JournalReader(names.all_catalogues(), names.saved_row)
+            targets = JournalTargets(tails, self._runs, self._recent, self._journal)
+            last = replay_journal(connection, reader, targets)
+            self._next_row = max(self._next_row, last + 1)
         # Readers see the old state or the new one, never half of it.
         self.names, self.tails, self.run = names, tails, self.run + 1
 
@@ -207,7 +216,7 @@ class BlockIndex:
         if self._plan is not None:
             return
         tails = self.tails
-        chosen, saved, enough = self._choice.choose_channels(tails, self._journal.samples)
+        chosen, saved, enough = self._choice.choose_channels(tails, self._journal)
         if chosen or saved:
             saves = [
                 save_tail(
@@ -216,29 +225,6 @@ class BlockIndex:
                 for channel in saved
             ]
             self._plan = _Plan([self._seal_tail(channel, enough) for channel in chosen], saves)
-
-    def _replay_journal(self, connection: Connection, names: Names, tails: Tails) -> None:
-        rows = connection.execution_options(yield_per=500).execute(
-            select(tables.hot).order_by(tables.hot.c.id)
-        )
-        saved = _saved_rows(names)
-        for row in rows:
-            self._runs.add_stored(row.boot_id, row.first_seq, row.first_seq + row.samples)
-            try:
-                columns = read_row(row.body)
-            except HistoryError as error:
-                _LOG.error("%d samples of the journal are lost: %s", row.samples, error)
-                continue
-            ids = names.by_id(row.catalogue_id).channels[columns.channel]
-            chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
-            chunk = _select_samples(chunk, np.flatnonzero(saved[ids] < row.id))
-            tails.add_chunks([chunk])
-            self._recent.add_chunks([chunk])
-            if tails.is_due():
-                tails.deal_chunks()
-            self._journal.append_row(row.id, row.samples)
-            self._next_row = max(self._next_row, row.id + 1)
-        tails.deal_chunks()
 
     def _answer_job(self, job: Job, draft: _Draft) -> HistoryError | int:
         try:
@@ -377,8 +363,7 @@ class BlockIndex:
             if newest is None:
                 newest = read_newest(connection, channel)
             draft.newest[channel] = sealed.write_blocks(connection, newest)
-        for saved in draft.saves:
-            saved.write_tail(connection)
+        write_tails(connection, draft.saves)
         if draft.writes_runs:
             draft.ranges = self._runs.write_changed(connection)
         if draft.forgotten:
@@ -405,6 +390,7 @@ class BlockIndex:
     def _apply_draft(self, draft: _Draft, last_gone: int) -> None:
         self._plan = None
         self._choice.samples += draft.samples
+        self._choice.rows += len(draft.rows)
         self.names.clear_new()
         self._newest.update(draft.newest)
         self._runs.mark_written(draft.ranges)
@@ -434,14 +420,6 @@ class BlockIndex:
             self._journal.append_row(row["id"], row["samples"])
 
 
-def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
-    """Give by channel id the last journal row that is in its saved tail or in blocks (ids,)."""
-    saved = np.zeros(max(names.saved_row, default=0) + 1, np.int64)
-    for channel, last in names.saved_row.items():
-        saved[channel] = last
-    return saved
-
-
 def _gap_row(job: GapJob) -> dict[str, Any]:
     """Give what the table holds of a gap, less whose it is.
 
@@ -464,19 +442,6 @@ def _gap_row(job: GapJob) -> dict[str, Any]:
         # PostgreSQL's texts hold no zero byte.
         "reason": job.reason.replace("\0", "�"),
     }
-
-
-def _select_samples(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
-    if positions.size == chunk.time_us.size:
-        return chunk
-    place = {int(old): new for new, old in enumerate(positions)}
-    return Chunk(
-        chunk.row,
-        chunk.channel[positions],
-        chunk.time_us[positions],
-        chunk.value[positions],
-        {place[p]: text for p, text in chunk.texts.items() if p in place},
-    )
 
 
 def _write_gap(connection: Connection, row: dict[str, Any]) -> None:

@@ -165,9 +165,9 @@ class Names:
         # An address may stand for another channel now.
         self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
 
-    def by_id(self, catalogue: int) -> Catalogue:
-        """Find a list by its number."""
-        return self._by_id[catalogue]
+    def all_catalogues(self) -> Mapping[int, Catalogue]:
+        """Give all lists by their numbers."""
+        return self._by_id
 
     def write_new(self, connection: Connection) -> None:
         """Record what has got a number since the last commit."""

@@ -126,8 +126,9 @@ class Tails:
         self._enough = recent
         # How often batches were dealt out.
         self.deals = 0
-        # What `needed_row` found, until a tail changes.
+        # What `needed_row` found, until enough tails have changed, and how many have.
         self._needed: int | None = None
+        self._changed = 0
         # What a reader finds in blocks below it is not here, and the other way round.
         self.block = block
         # The journal is needed from the row after it, whatever the tails say.
@@ -137,12 +138,18 @@ class Tails:
         """Give the tails by channel id; for the writing thread only."""
         return self._tails
 
-    def add_chunks(self, chunks: list[Chunk]) -> None:
-        """Take batches that have been committed, in order of their rows."""
+    def add_chunks(self, chunks: list[Chunk], last_row: int = 0) -> None:
+        """Take batches that have been committed, in order of their rows.
+
+        Args:
+            chunks: each is one row's, unless ``last_row`` says more.
+            last_row: the last row of the last one, where several rows are joined to one.
+
+        """
         with self._lock:
             for chunk in chunks:
                 self._recent.append(chunk)
-                self._recent_row = chunk.row
+                self._recent_row = last_row or chunk.row
                 self._single += 1
                 # A reader looks through ten thousand small arrays slowly.
                 if self._single == _PARTS:
@@ -191,18 +198,26 @@ class Tails:
             for channel in channels:
                 del self._tails[channel]
             self.block = block
-            self._needed = None
+        self._count_changes(len(channels))
 
     def mark_saved(self, channels: list[int]) -> None:
         """Remember that the tails of these channels are in the database as they stand."""
         for channel in channels:
             tail = self._tails[channel]
             tail.saved, tail.oldest_row = True, None
-        self._needed = None
+        self._count_changes(len(channels))
+
+    def _count_changes(self, count: int) -> None:
+        # To look through ten thousand tails for a few that need no row any more takes longer than
+        # all else of a commit; a row that stays a little longer harms nobody.
+        self._changed += count
+        if self._changed >= len(self._tails) // 64:
+            self._needed = None
 
     def needed_row(self) -> int:
-        """Give the first journal row that must not be deleted."""
+        """Give the first journal row that must not be deleted, or one a little before it."""
         if self._needed is None:
+            self._changed = 0
             rows = [tail.oldest_row for tail in self._tails.values() if tail.oldest_row is not None]
             self._needed = min(rows, default=self.dealt_row + 1)
         return self._needed
