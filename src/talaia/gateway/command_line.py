@@ -99,6 +99,18 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="what detectors of objects and faces run on: cpu, cuda, tensorrt, openvino, coreml, "
         "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
     )
+    parser.add_argument(
+        "--no-meshes",
+        action="store_true",
+        help="hand no files of ROS packages to the hub; otherwise those that the robot's description"
+        " names",
+    )
+    parser.add_argument(
+        "--meshes-from",
+        type=Path,
+        metavar="DIR",
+        help="such files may also lie below this folder: a workspace whose packages are links to it",
+    )
     _add_update_options(parser)
     _add_classic_options(parser)
     parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
@@ -198,6 +210,8 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
             if arguments.releases
             else None
         ),
+        meshes=not arguments.no_meshes,
+        meshes_from=arguments.meshes_from,
         notices=read_notice_settings(arguments.notices) if arguments.notices else None,
     )
 

@@ -55,7 +55,7 @@ class UplinkPart(GatewayPart):
         """Dial nobody yet."""
         self.night, self.actuation = night, actuation
         self._base, self._samples, self._reload = base, samples, reload
-        self._recording, self._video = adapters.recording, video
+        self._recording, self._video, self._taps = adapters.recording, video, adapters.taps
         self.releases = OfferedReleases()
         self.dispatcher = MessageDispatcher(
             boot=base.boot,
@@ -70,6 +70,7 @@ class UplinkPart(GatewayPart):
             change_requests=reload.requests,
             pictures=video.pictures,
             taps=adapters.taps.service,
+            assets=adapters.taps.assets,
             reporter=detection.reporter,
             releases=self.releases,
             robot_log=adapters.robot_log.reporter,
@@ -99,7 +100,12 @@ class UplinkPart(GatewayPart):
         """Keep one connection for messages and samples, one for pictures, one for files."""
         base = self._base
         upload_bytes = base.settings.upload_bytes
-        files = [FileLane("pictures", self._video.outbox, upload_bytes), *self._recording.lanes]
+        files = [
+            # First: somebody waits for these.
+            self._taps.lane,
+            FileLane("pictures", self._video.outbox, upload_bytes),
+            *self._recording.lanes,
+        ]
         # Tasks of their own: a file that hangs on a slow line holds up no command.
         return {
             "link": partial(

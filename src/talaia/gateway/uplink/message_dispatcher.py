@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from talaia.model.recording import Trigger
 from talaia.wire.frames import (
     Ack,
+    AssetRequest,
     ChangeRequest,
     CommandCancel,
     CommandPhase,
@@ -45,6 +46,7 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from talaia.gateway.actuation import Actuation
     from talaia.gateway.adapters.connectivity import DeviceReachability
+    from talaia.gateway.assets.asset_service import AssetService
     from talaia.gateway.detection.sighting_reports import DetectionReporter
     from talaia.gateway.night.night_service import NightService
     from talaia.gateway.ports import Adapter, CommandOutcome, EventSink
@@ -84,6 +86,7 @@ class MessageDispatcher:
         change_requests: ChangeRequests,
         pictures: PictureUplink,
         taps: TapService,
+        assets: AssetService,
         reporter: DetectionReporter,
         releases: OfferedReleases,
         robot_log: LogReporter,
@@ -93,6 +96,7 @@ class MessageDispatcher:
         self._night = night  # None where the site does not observe by itself.
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
         self._taps = taps  # Raw topics, on the media connection, too.
+        self._assets = assets  # Files that the robot's description names.
         self._reporter = reporter  # Sightings on their way to the hub.
         self._releases = releases  # Of this gateway's own software, which the hub offers.
         self._robot_log = robot_log  # So are lines of the robot's log.
@@ -154,6 +158,7 @@ class MessageDispatcher:
         self._robot_log.link_lost()
         self._pacer.reset_timer()
         self._taps.link_lost()
+        self._assets.link_lost()
         self._pictures.watch((), {})
         self.update_watched_streams()
 
@@ -209,6 +214,9 @@ class MessageDispatcher:
             case TapSubscription():
                 self._taps.subscribe(message)
                 # Nothing of driving changes by it.
+                return
+            case AssetRequest():
+                self._assets.handle_request(message)
                 return
             case RobotLogAck():
                 self._robot_log.handle_ack(message)

@@ -8,7 +8,7 @@ const TRIANGLE = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 
 
 function storeOver(answer: (url: string) => Response): { readonly store: MeshStore; readonly asked: string[] } {
   const asked: string[] = [];
-  const store = new MeshStore("yard", (url) => {
+  const store = new MeshStore("yard", undefined, (url) => {
     asked.push(url as string);
     return Promise.resolve(answer(url as string));
   });
