@@ -96,9 +96,7 @@ class MeshGateway:
         await self.link.hear(TapSubscription, lambda said: _KIND in said.types)
         definition = "string data"
         await self.media.say(
-            TapSchema(
-                type=_KIND, encoding="ros2msg", definition=definition, message_encoding="cdr"
-            )
+            TapSchema(type=_KIND, encoding="ros2msg", definition=definition, message_encoding="cdr")
         )
         await self.link.hear(TapSubscription, lambda said: MODEL_TOPIC in said.topics)
         await self.publish_again(text)

@@ -25,9 +25,10 @@ pytestmark = [pytest.mark.robot, pytest.mark.asyncio(loop_scope="module")]
 TOPIC = "/tap/robot_description"
 # Large enough to be told from beats on the line.
 MESH, OTHER = b"solid hand\n" * 40_000, b"solid foot\n" * 40_000
-HAND, FOOT, SKIN = (f"package://{name}" for name in ("arm/hand.dae", "leg/foot.stl", "arm/skin.png"))
-URDF = f"""<robot name="arm"><link name="hand"><visual><geometry><mesh filename="{HAND}"/></geometry>
-</visual><visual><geometry><mesh filename="{FOOT}"/></geometry></visual></link></robot>"""
+HAND, FOOT, SKIN = "package://arm/hand.dae", "package://leg/foot.stl", "package://arm/skin.png"
+SHAPE = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
+LINK = f'<link name="hand">{SHAPE.format(HAND)}{SHAPE.format(FOOT)}</link>'
+URDF = f'<robot name="arm">{LINK}</robot>'
 
 
 class MeshStack(TapStack):

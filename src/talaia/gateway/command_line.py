@@ -102,14 +102,14 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
     parser.add_argument(
         "--no-meshes",
         action="store_true",
-        help="hand no files of ROS packages to the hub; otherwise those that the robot's description"
-        " names",
+        help="hand no files of ROS packages to the hub; otherwise those that the robot's"
+        " description names",
     )
     parser.add_argument(
         "--meshes-from",
         type=Path,
         metavar="DIR",
-        help="such files may also lie below this folder: a workspace whose packages are links to it",
+        help="such files may also lie below this folder, where links of a workspace lead",
     )
     _add_update_options(parser)
     _add_classic_options(parser)

@@ -57,4 +57,4 @@ def is_asset_name(name: str) -> bool:
 
 
 def _is_plain_name(part: str) -> bool:
-    return bool(part) and not part.startswith(".") and part.isprintable() and not set(part) & set("/\\:")
+    return part.isprintable() and part[:1] not in {"", "."} and not set(part) & set("/\\:")

@@ -39,7 +39,8 @@ def stl_box(size: float) -> bytes:
     rows = b""
     for a, b, c, d in faces:
         for three in ((a, b, c), (a, c, d)):
-            normal = np.cross(corners[three[1]] - corners[three[0]], corners[three[2]] - corners[three[0]])
+            at = corners[three[0]]
+            normal = np.cross(corners[three[1]] - at, corners[three[2]] - at)
             normal = normal / np.linalg.norm(normal)
             rows += struct.pack("<12fH", *normal, *(v for one in three for v in corners[one]), 0)
     return bytes(80) + struct.pack("<I", len(rows) // 50) + rows
@@ -93,14 +94,12 @@ async def colour_share(page, colour: str) -> float:
 
     data = await page.locator("t-scene canvas").screenshot()
     pixels = np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
-    at = "red green blue".split().index(colour)
+    at = ["red", "green", "blue"].index(colour)
     others = np.delete(pixels, at, axis=2).max(axis=2)
     return float((pixels[:, :, at] > others + 60).mean())
 
 
-async def test_robot_is_drawn_by_meshes_and_pictures_that_only_its_gateway_has(
-    space, hub
-) -> None:
+async def test_robot_is_drawn_by_meshes_and_pictures_that_only_its_gateway_has(space, hub) -> None:
     files = {BODY: stl_box(1.0), PANEL: collada_panel(), SKIN: blue_picture()}
     robot = MeshGateway(hub, files)
     await robot.open()

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["TapsPart"]
 
+# A page asks for some meshes of a robot at once, and for the next when it has one.
+_LINGER_S = 2.0
+
 
 class TapsPart(GatewayPart):
     """Nothing is heard or read before the hub wants it.
@@ -46,7 +49,7 @@ class TapsPart(GatewayPart):
             send=base.lanes.send,
             announce=base.file_waiting.set,
         )
-        self.lane = FileLane("meshes", waiting, settings.upload_bytes)
+        self.lane = FileLane("meshes", waiting, settings.upload_bytes, linger_s=_LINGER_S)
         if settings.meshes:
             self.service.on_message = self.assets.hear_message
 

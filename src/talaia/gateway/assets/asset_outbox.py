@@ -30,7 +30,7 @@ class AssetOutbox:
         self._lock = threading.Lock()
         # By the offer's id, in the order in which they were asked for.
         self._waiting: dict[str, _WaitingAsset] = {}
-        # Read at one blow, so that what goes is what its digest says, whatever is written meanwhile.
+        # Read at one blow: what goes is what its digest says, whatever is written meanwhile.
         self._open: tuple[str, bytes] = "", b""
 
     def add_asset(self, name: AssetUri, found: ReadAsset) -> None:

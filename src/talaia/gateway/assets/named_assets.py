@@ -63,17 +63,22 @@ class CompanionScanner:
         if not self._reads:
             return
         text = self._tail + block
+        self._find_names(text, len(text) - 1)
+        self._tail = text[-_LONGEST:]
+
+    def names(self) -> frozenset[AssetUri]:
+        """Give what was found, after the last block."""
+        self._find_names(self._tail, len(self._tail))
+        return frozenset(self._found)
+
+    def _find_names(self, text: bytes, below: int) -> None:
+        """Look for names that end at ``below`` at the latest: what follows says if they do."""
         for match in _ENDING.finditer(text):
-            if len(self._found) >= _MOST_COMPANIONS:
+            if match.end() > below or len(self._found) >= _MOST_COMPANIONS:
                 return
             # By its end: a pattern that began anywhere would go back over long lines again.
             before = text[max(0, match.start() - _LONGEST) : match.end()]
             self._add_name(_BEFORE.split(before)[-1].decode(errors="replace"))
-        self._tail = text[-_LONGEST:]
-
-    def names(self) -> frozenset[AssetUri]:
-        """Give what was found."""
-        return frozenset(self._found)
 
     def _add_name(self, text: str) -> None:
         if "://" in text:
@@ -118,6 +123,4 @@ class NamedAssets:
             allowed |= new
             new = set().union(*(self._companions.get(name, ()) for name in new)) - allowed
         self._allowed = frozenset(allowed)
-        self._companions = {
-            name: own for name, own in self._companions.items() if name in allowed
-        }
+        self._companions = {name: own for name, own in self._companions.items() if name in allowed}

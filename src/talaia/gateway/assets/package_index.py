@@ -43,7 +43,8 @@ class PackageIndex:
         if _NAME.fullmatch(package) is None:
             return None
         for prefix in self._prefixes:
-            if (prefix / _MARKS / package).is_file() and (share := prefix / "share" / package).is_dir():
+            share = prefix / "share" / package
+            if (prefix / _MARKS / package).is_file() and share.is_dir():
                 return share.resolve()
         for root in self._roots:
             for folder in _packages_below(root):

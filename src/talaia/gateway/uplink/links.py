@@ -42,6 +42,8 @@ __all__ = [
 ]
 
 log = logging.getLogger(__name__)
+# What a hub may send that knows it.
+_TAKES = (str(AssetRequest.__struct_config__.tag),)
 
 
 class HubDispatcher(HubMessageHandler, Protocol):
@@ -132,7 +134,7 @@ async def keep_link(
             time_us=clock.wall_ns() // 1000,
             accepts=settings.accepts,
             acked=spool.acked_below(boot),
-            takes=[AssetRequest.__struct_config__.tag] if settings.meshes else [],
+            takes=_TAKES if settings.meshes else (),
         )
 
     def beside(welcome: Welcome) -> asyncio.Task[None]:

@@ -56,8 +56,8 @@ class RecordingsFeature(Feature):
     ) -> None:
         """Keep them in ``store``, write down in ``audit`` what comes and goes.
 
-        Other files go to ``uploads``, those of robots to ``assets``; ``flood_guard`` slows gateways that say too much;
-        ``releases`` go the other way.
+        Other files go to ``uploads``, those of robots to ``assets``; ``flood_guard`` slows
+        gateways that say too much; ``releases`` go the other way.
         """
         # The list is in the database and the files on the disk; `open` makes the two fit.
         rows = RecordingList(core.database)

@@ -94,9 +94,8 @@ def _drop_oldest(
 ) -> None:
     """Remove what was used longest ago, until the rest is within both; ``keep`` stays."""
     with os.scandir(folder) as entries:
-        found = sorted(
-            ((about.st_mtime_ns, about.st_size, entry.path) for entry in entries if (about := entry.stat())),
-        )
+        stats = [(entry.path, entry.stat()) for entry in entries]
+    found = sorted((about.st_mtime_ns, about.st_size, path) for path, about in stats)
     total, count = sum(size for _, size, _ in found), len(found)
     for _, size, path in found:
         if total <= most_bytes and count <= most_files:

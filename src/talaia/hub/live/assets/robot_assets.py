@@ -11,7 +11,7 @@ import hashlib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.errors import AssetMissing, AssetRefused
+from talaia.hub.errors import AssetMissing, AssetRefused, StoreDown
 from talaia.hub.live.files.uploads import Uploads
 from talaia.wire.asset_uris import is_asset_name, parse_asset_uri
 from talaia.wire.frames import ASSET_KIND, MAX_ASSET, AssetRequest, FileProgress, asset_file_id
@@ -148,9 +148,12 @@ class RobotAssets:
     def link_lost(self, site: str) -> None:
         """Let nobody wait for a gateway that is gone."""
         known = self._begin_turn(site)
-        waiting = [*known.states.values(), *(one for own in known.coming.values() for one in own)]
-        for future in waiting:
-            _fail(future, "the connection to the robot's gateway was lost; try again")
+        why = "the connection to the robot's gateway was lost; try again"
+        for asked in known.states.values():
+            _fail(asked, why)
+        for coming in known.coming.values():
+            for file in coming:
+                _fail(file, why)
 
     def handle_state(self, site: str, state: AssetState) -> None:
         """Take what a gateway tells; what nobody has asked for is passed over."""
@@ -181,7 +184,12 @@ class RobotAssets:
             StoreDown: it cannot be taken now.
 
         """
-        progress = await self._uploads.append_piece(site, offer, piece)
+        try:
+            progress = await self._uploads.append_piece(site, offer, piece)
+        except StoreDown as error:
+            for future in self._of(site).coming.get(offer.digest, ()):
+                _fail(future, str(error))
+            raise
         # All of it is there and its digest is another: the gateway may send it again and again.
         if not progress.done and piece.at + len(piece.data) >= offer.size:
             for future in self._of(site).coming.get(offer.digest, ()):
@@ -218,9 +226,7 @@ class RobotAssets:
         listed = self._taps.topics(live.name, None)
         topics = [found.topic for found in listed if _is_model(found.topic, found.type)]
         # Of a robot whose topics are not known: what it is published as nearly everywhere.
-        return any(
-            self._taps.allows(grants, live, topic) for topic in topics or [f"/{_MODEL}"]
-        )
+        return any(self._taps.allows(grants, live, topic) for topic in topics or [f"/{_MODEL}"])
 
     async def _find_digest(self, live: LiveSite, uri: str) -> str:
         known = self._of(live.name)

@@ -131,7 +131,7 @@ class FileLinks:
         assets: RobotAssets,
         releases: ReleaseFolder,
     ) -> None:
-        """Keep in ``recordings``, ``uploads`` and ``assets``; ``links`` closes whose key is revoked.
+        """Keep in ``recordings``, ``uploads`` and ``assets``; ``links`` closes revoked keys'.
 
         ``sites`` know in whose names something was asked of each; ``flood_guard`` slows who says
         too much; ``releases`` are for gateways to fetch.
