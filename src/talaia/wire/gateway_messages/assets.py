@@ -41,6 +41,7 @@ class AssetState(Message, frozen=True, kw_only=True, tag="asset_state"):
     """What the gateway knows of such a file now; the answer to each `AssetRequest`.
 
     Attributes:
+        uri: as it was asked for.
         size: bytes.
         digest: SHA-256 of all of it; empty where it is not handed out.
         problem: why it is not.

@@ -75,7 +75,7 @@ export class SceneView implements SceneDrawing {
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly model: SceneModel,
-    private readonly site: string,
+    site: string,
     colours: SceneColours,
     private readonly onTrouble: (why: string) => void,
   ) {
