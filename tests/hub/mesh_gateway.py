@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import hashlib
 from zlib import crc32
 
@@ -69,8 +68,9 @@ class MeshGateway:
         self.answers = True
         self.progress: list[FileProgress] = []
         self.link: Gateway
-        self._serving: asyncio.Task[None] | None = None
-        self._number = 0
+        self._serving: list[asyncio.Task[None]] = []
+        # What the robot publishes, whether somebody takes it, and how often it was said.
+        self._model, self._taken, self._number = "", False, 0
 
     async def open(self, description: str = DESCRIBED, *, takes: bool = True) -> None:
         """Link; without ``takes`` as a gateway of before."""
@@ -82,42 +82,46 @@ class MeshGateway:
         self.media = await self.hub.camera()
         topic = TopicEntry(number=1, topic=MODEL_TOPIC, type=_KIND, latched=True)
         await self.media.say(TopicList(topics=[topic]))
-        self._serving = asyncio.create_task(self._serve())
+        serving = (self._serve(), self._serve_topics())
+        self._serving = [asyncio.create_task(one) for one in serving]
 
     async def close(self) -> None:
         """Be gone."""
-        if self._serving is not None:
-            self._serving.cancel()
-            await asyncio.gather(self._serving, return_exceptions=True)
+        self._taken = False
+        for task in self._serving:
+            task.cancel()
+        await asyncio.gather(*self._serving, return_exceptions=True)
         await self.link.close()
 
     async def publish_model(self, text: str) -> None:
-        """Say the robot's description, once a page follows it."""
-        await self.link.hear(TapSubscription, lambda said: _KIND in said.types)
-        definition = "string data"
-        await self.media.say(
-            TapSchema(type=_KIND, encoding="ros2msg", definition=definition, message_encoding="cdr")
-        )
-        await self.link.hear(TapSubscription, lambda said: MODEL_TOPIC in said.topics)
-        await self.publish_again(text)
+        """Say the robot's description, now and to whoever takes it later."""
+        self._model = text
+        if self._taken:
+            await self._say_model()
 
-    async def publish_again(self, text: str) -> None:
-        """Say it to those who have heard it before."""
+    async def _serve_topics(self) -> None:
+        while True:
+            said = await self.link.hear(TapSubscription)
+            if _KIND in said.types:
+                schema = {"encoding": "ros2msg", "message_encoding": "cdr"}
+                await self.media.say(TapSchema(type=_KIND, definition="string data", **schema))
+            began, self._taken = not self._taken, MODEL_TOPIC in said.topics
+            if began and self._taken and self._model:
+                await self._say_model()
+
+    async def _say_model(self) -> None:
         store = get_typestore(Stores.LATEST)
-        message = store.types[_KIND](data=text)
-        raw = bytes(store.serialize_cdr(message, _KIND))
+        raw = bytes(store.serialize_cdr(store.types[_KIND](data=self._model), _KIND))
         self._number += 1
-        await self.media.say(
-            TapMessage(number=1, seq=self._number, log_us=1, kept=True, size=len(raw), data=raw)
-        )
+        message = {"number": 1, "seq": self._number, "log_us": 1, "kept": True}
+        await self.media.say(TapMessage(**message, size=len(raw), data=raw))
 
     async def _serve(self) -> None:
-        with contextlib.suppress(AssertionError):
-            while True:
-                asked = await self.link.hear(AssetRequest)
-                self.asked.append((asked.uri, asked.fetch))
-                if self.answers:
-                    await self._answer(asked)
+        while True:
+            asked = await self.link.hear(AssetRequest)
+            self.asked.append((asked.uri, asked.fetch))
+            if self.answers:
+                await self._answer(asked)
 
     async def _answer(self, asked: AssetRequest) -> None:
         data = self.files.get(asked.uri)
