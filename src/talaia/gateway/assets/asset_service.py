@@ -82,7 +82,7 @@ class AssetService:
             try:
                 found = await self._examine(asked.uri)
             except AssetRefused as refused:
-                log.info("the hub does not get %s: %s", asked.uri, refused)
+                log.debug("the hub does not get %s: %s", asked.uri, refused)
                 self._send(AssetState(uri=asked.uri, problem=str(refused)[:2000]))
                 continue
             name = parse_asset_uri(asked.uri)
