@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 import uvicorn
@@ -112,6 +112,35 @@ class StuckTransport(asyncio.Transport):
         return bool(self.closed)
 
 
+class LostTransport(StuckTransport):
+    """One of uvloop's, whose line is gone and whose protocol has not heard of it yet."""
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        if self.closed:
+            raise RuntimeError("unable to perform operation; the handler is closed")
+        super().write(data)
+
+
+class JoinedSocket(NamedTuple):
+    """The server's end of a WebSocket, its line, and the client's end."""
+
+    protocol: EndingSocketProtocol
+    transport: StuckTransport
+    client: ClientProtocol
+
+
+def join(app: Any, transport: StuckTransport) -> JoinedSocket:
+    """Let a client ask for a socket."""
+    config = uvicorn.Config(app, lifespan="off", log_config=None)
+    config.load()
+    protocol = EndingSocketProtocol(config, ServerState(), {})
+    protocol.connection_made(transport)
+    client = ClientProtocol(parse_uri("ws://localhost/"))
+    client.send_request(client.connect())
+    protocol.data_received(b"".join(client.data_to_send()))
+    return JoinedSocket(protocol, transport, client)
+
+
 async def test_server_ends_while_a_client_that_said_good_bye_has_not_read_all() -> None:
     accepted = asyncio.Event()
 
@@ -121,13 +150,7 @@ async def test_server_ends_while_a_client_that_said_good_bye_has_not_read_all() 
         accepted.set()
         await receive()
 
-    config = uvicorn.Config(app, lifespan="off", log_config=None)
-    config.load()
-    protocol, transport = EndingSocketProtocol(config, ServerState(), {}), StuckTransport()
-    protocol.connection_made(transport)
-    client = ClientProtocol(parse_uri("ws://localhost/"))
-    client.send_request(client.connect())
-    protocol.data_received(b"".join(client.data_to_send()))
+    protocol, transport, client = join(app, StuckTransport())
     await asyncio.wait_for(accepted.wait(), PATIENCE_S)
     client.receive_data(b"".join(transport.written))
     client.send_close(1000)
@@ -135,3 +158,32 @@ async def test_server_ends_while_a_client_that_said_good_bye_has_not_read_all() 
     assert transport.closed == 1
     protocol.shutdown()
     assert transport.closed == 2
+
+
+@pytest.mark.parametrize("is_in", [False, True], ids=["not let in yet", "let in"])
+async def test_server_ends_while_the_line_of_a_client_is_lost(
+    caplog: pytest.LogCaptureFixture, *, is_in: bool
+) -> None:
+    reached, ended = asyncio.Event(), asyncio.Event()
+
+    async def app(_scope: object, receive: Any, send: Any) -> None:
+        await receive()
+        if is_in:
+            await send({"type": "websocket.accept"})
+        reached.set()
+        try:
+            await asyncio.Future()
+        finally:
+            ended.set()
+
+    protocol, transport, _ = join(app, LostTransport())
+    await asyncio.wait_for(reached.wait(), PATIENCE_S)
+    transport.close()
+    protocol.shutdown()
+    # What the server does next, with those who are still at something.
+    for task in list(protocol.tasks):
+        task.cancel()
+    await asyncio.wait_for(ended.wait(), PATIENCE_S)
+    await asyncio.gather(*protocol.tasks)
+    assert "AssertionError" not in caplog.text
+    assert "RuntimeError" not in caplog.text

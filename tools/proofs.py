@@ -64,7 +64,7 @@ JOBS = (
         " there twice, no alarm is told twice, no robot is left moving",
         (*PYTEST, "tests/system/cluster/test_rows.py"),
         "docs/cluster-table.md",
-        minutes=15,
+        minutes=20,
     ),
     # What has passed for this code is kept row by row and seed by seed, and is not run again.
     Job(

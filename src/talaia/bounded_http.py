@@ -28,7 +28,7 @@ _FAREWELL_S = 1.0
 
 
 class EndingSocketProtocol(WebSocketsSansIOProtocol):
-    """One WebSocket of uvicorn's, whose server ends also while the other side is closing it."""
+    """One WebSocket of uvicorn's, whose server ends whatever the other side is just doing."""
 
     async def send(self, message: Any) -> None:  # noqa: ANN401 - uvicorn's own
         """Pass on what the application says."""
@@ -38,13 +38,20 @@ class EndingSocketProtocol(WebSocketsSansIOProtocol):
         if self.initial_response is not None and self.close_sent:
             self.handshake_complete = True
 
+    def send_500_response(self) -> None:
+        """Refuse who is not in yet, unless the line is gone or the refusal has been sent."""
+        # To write to a line that is closed is an error of uvloop's.
+        if not (self.transport.is_closing() or self.conn.eof_sent):
+            super().send_500_response()
+
     def shutdown(self) -> None:
         """Say good-bye at the server's end."""
         try:
             super().shutdown()
-        except InvalidState:
-            # The other side has said it first. The error would end the server's own end, and with
-            # it that of everything after this connection.
+        except (InvalidState, RuntimeError):
+            # The other side has said it first, or the line was lost a moment ago, to which uvloop
+            # lets nobody write. The error would end the server's own end, and with it that of
+            # everything after this connection.
             self.transport.close()
 
 

@@ -5,6 +5,7 @@ import asyncio
 from fnmatch import fnmatchcase
 
 import pytest
+import pytest_asyncio
 
 from talaia.clock import HandClock
 from talaia.hub.cluster.member import ClusterMember
@@ -68,35 +69,83 @@ async def turns() -> None:
         await asyncio.sleep(0)
 
 
-@pytest.mark.parametrize("loser", [0, 1], ids=["the lead", "the hub between"])
-async def test_a_hub_that_lost_the_bus_is_back_and_the_other_end_knows_what_is_over(loser) -> None:
-    ether, ended, closed = Ether(), [], []
+class AskedHub:
+    """Two hubs, of which one leads, and a page that comes in at the other."""
 
-    async def app(_scope, receive, send) -> None:
+    def __init__(self, ether: Ether, lead: ClusterMember, between: ClusterMember) -> None:
+        self.ether, self.lead, self.between = ether, lead, between
+        # What the application hears at its end, and the code with which the page's socket closes.
+        self.ended, self.closed = [], []
+
+    async def answer(self, _scope, receive, send) -> None:
         assert (await receive())["type"] == "websocket.connect"
         await send({"type": "websocket.accept"})
-        ended.append((await receive())["type"])
+        self.ended.append((await receive())["type"])
 
-    asked = [{"type": "websocket.connect"}]
+    def open_page(self) -> asyncio.Task[None]:
+        """Let a page come that never says anything."""
+        asked = [{"type": "websocket.connect"}]
 
-    async def ask():
-        return asked.pop() if asked else await asyncio.Future()
+        async def ask():
+            return asked.pop() if asked else await asyncio.Future()
 
-    async def hear(message) -> None:
-        if message["type"] == "websocket.close":
-            closed.append(message["code"])
+        async def hear(message) -> None:
+            if message["type"] == "websocket.close":
+                self.closed.append(message["code"])
 
+        scope = {"type": "websocket", "path": "/ws", "headers": [], "client": None, "server": None}
+        return asyncio.create_task(self.between.entrance.serve_request(scope, ask, hear))
+
+
+@pytest_asyncio.fixture
+async def asked() -> AskedHub:
+    ether = Ether()
     lead, between = await member_on(ether, "east"), await member_on(ether, "west")
-    await lead.begin_leading(app, 1)
+    made = AskedHub(ether, lead, between)
+    await lead.begin_leading(made.answer, 1)
     await between._say_notice()
-    scope = {"type": "websocket", "path": "/ws", "headers": [], "client": None, "server": None}
-    page = asyncio.create_task(between.entrance.serve_request(scope, ask, hear))
+    return made
+
+
+@pytest.mark.parametrize("loser", [0, 1], ids=["the lead", "the hub between"])
+async def test_a_hub_that_lost_the_bus_is_back_and_the_other_end_knows_what_is_over(
+    asked: AskedHub, loser: int
+) -> None:
+    page = asked.open_page()
     await turns()
-    ether.buses[loser].lose()
-    ether.buses[loser].regain()
+    asked.ether.buses[loser].lose()
+    asked.ether.buses[loser].regain()
     await turns()
     # A page that says nothing would wait for ever for values that nobody sends any more, and what
     # it holds would stay held.
     assert page.done()
-    assert closed == [1012]
-    assert ended == ["websocket.disconnect"]
+    assert asked.closed == [1012]
+    assert asked.ended == ["websocket.disconnect"]
+
+
+async def test_who_comes_before_the_hub_between_was_heard_again_is_let_stay(
+    asked: AskedHub,
+) -> None:
+    asked.ether.buses[0].lose()
+    asked.ether.buses[0].regain()
+    await turns()
+    page = asked.open_page()
+    await turns()
+    # The lead's next beat; the one of the hub between is not due yet.
+    asked.lead._end_broken()
+    await turns()
+    assert not page.done()
+    assert asked.ended == []
+    page.cancel()
+
+
+async def test_a_page_whose_way_the_lead_ends_hears_so_by_a_hub_that_lives_after_all(
+    asked: AskedHub,
+) -> None:
+    page = asked.open_page()
+    await turns()
+    asked.lead.answering.break_off("the hub between is gone", hub=asked.between.hub)
+    await turns()
+    assert page.done()
+    assert asked.closed == [1012]
+    assert asked.ended == ["websocket.disconnect"]

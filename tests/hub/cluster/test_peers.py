@@ -44,6 +44,25 @@ def test_nobody_is_there_when_the_bus_is_gone() -> None:
     assert not peers.is_living("a", 1)
 
 
+def test_a_hub_that_hands_a_request_over_lives_though_it_has_said_nothing_yet() -> None:
+    peers = Peers()
+    peers.hear_request("a", 5)
+    assert peers.is_living("a", 5 + SILENT_NS)
+    assert not peers.is_living("a", 6 + SILENT_NS)
+    peers.hear_request("a", 7)
+    peers.silence_all()
+    assert not peers.is_living("a", 8)
+
+
+def test_of_hubs_that_only_asked_the_latest_are_remembered() -> None:
+    peers = Peers()
+    for number in range(1000):
+        peers.hear_request(f"hub {number}", number)
+    peers.hear_request("hub 900", 1000)
+    living = [number for number in range(1000) if peers.is_living(f"hub {number}", 1000)]
+    assert living == list(range(800, 1000))
+
+
 def test_a_hub_that_was_started_anew_stands_once_in_the_list() -> None:
     peers = Peers()
     peers.hear_notice(notice("run one", name="east"), 0)

@@ -94,6 +94,35 @@ async def test_whoever_waits_for_room_is_told_that_the_other_end_is_gone() -> No
         await waiting
 
 
+@pytest.mark.parametrize("breaker", [0, 1])
+async def test_what_is_broken_off_at_one_end_is_over_at_the_other(breaker) -> None:
+    ends = two_ends()
+    await ends[0].send_message({"type": "websocket.receive", "text": "first"})
+    await ends[1].send_message({"type": "websocket.send", "text": "second"})
+    ends[breaker].break_off("the hub between is gone")
+    await ends[breaker].end_tunnel()
+    # That one may have nothing to say, and would wait for ever.
+    assert ends[1 - breaker].over == "the hub between is gone"
+
+
+async def test_an_end_is_not_answered_by_an_end() -> None:
+    sent = []
+    ends = []
+
+    async def down(_name, _lane, frame: TunnelFrame) -> None:
+        sent.append(frame.kind.name)
+        ends[1].receive_frame(frame)
+
+    async def up(_name, _lane, frame: TunnelFrame) -> None:
+        sent.append(frame.kind.name)
+
+    for post in (down, up):
+        ends.append(TunnelEnd(NAME, BusLane.URGENT, "websocket", post=post))
+    await ends[0].end_tunnel("the asker has gone")
+    await ends[1].end_tunnel("the hub ends")
+    assert sent == ["END"]
+
+
 async def test_what_cannot_be_posted_ends_the_tunnel() -> None:
     async def refuse(*_) -> None:
         raise ConnectionError("NATS is away")

@@ -126,8 +126,8 @@ class ClusterWorld(World):
 
     one_of_many = SITE
 
-    def __init__(self, folder: Path, gateways: int, pages: int) -> None:
-        """Start all of it, with a crowd of so many.
+    def __init__(self, folder: Path, gateways: int, pages: int, browser_pages: int = 0) -> None:
+        """Start all of it, with a crowd of so many, and so many pages in a Chromium besides.
 
         Raises:
             PermissionError: one of the servers is not on this machine.
@@ -138,7 +138,10 @@ class ClusterWorld(World):
         require_store()
         self.folder = folder
         self.crowd_size = gateways, pages
+        self._browser_pages = browser_pages
         self.crowd: Process | None = None
+        # Without it nobody looks in a Chromium.
+        self.browser: Process | None = None
         self._stack = contextlib.ExitStack()
         self._door_places = 0
         self._admin = ""
@@ -250,6 +253,19 @@ class ClusterWorld(World):
         words += [str(self.folder / "crowd-cookie"), str(self.crowd_size[1])]
         paths = os.pathsep.join((str(SOURCE), str(TESTS)))
         self.crowd = Process(words, self.folder / "crowd.log", {"PYTHONPATH": paths})
+        if self._browser_pages:
+            # Each of another gateway, so that they come in at whichever hub.
+            sites = [f"crowd{number}" for number in range(self._browser_pages)]
+            words = ["-m", "system.cluster.browser_pages", str(self.port)]
+            words += [str(self.folder / "crowd-cookie"), *sites]
+            self.browser = Process(words, self.folder / "browser.log", {"PYTHONPATH": paths})
+            await self.browser.says("open\n")
+
+    def tell_onlookers(self, word: str) -> None:
+        """Tell the crowd, and who looks in a Chromium."""
+        for process in (self.crowd, self.browser):
+            if process is not None:
+                process.tell(word)
 
     async def post(self, path: str, asked: dict[str, Any], cookie: str) -> dict[str, Any]:
         """Ask for something as somebody, through HAProxy."""
@@ -328,8 +344,9 @@ class ClusterWorld(World):
         }
 
     def close(self) -> None:
-        if self.crowd is not None:
-            self.crowd.end()
+        for process in (self.browser, self.crowd):
+            if process is not None:
+                process.end()
         super().close()
         self._stack.close()
 

@@ -38,8 +38,7 @@ class Load:
 
     def begin_fault(self) -> None:
         """Let the crowd measure how long it hears nothing from now on."""
-        assert self.world.crowd is not None
-        self.world.crowd.tell("fault")
+        self.world.tell_onlookers("fault")
 
     async def raise_alarm(self) -> None:
         """Let the robot open its door, whoever hears it."""
@@ -104,10 +103,26 @@ class Load:
         for ms in ledgers.left_moving(world.told(self._began)):
             if ms > ledgers.STOP_MS + ledgers.STALL_MS:
                 findings.breach("I5", f"the robot was left moving for {ms:.0f} ms")
+        await self._judge_browser()
         await self._judge_messages()
         verified = await world.ask("/api/audit/verify", await world.admin())
         if not verified.get("ok"):
             findings.breach("audit", f"the log is not whole: {verified}")
+
+    async def _judge_browser(self) -> None:
+        """I6, I10: pages in a Chromium go on by themselves, and show nothing old as new."""
+        browser, findings = self.world.browser, self.findings
+        if browser is None:
+            return
+        asked = browser.said().count("report ")
+        browser.tell("report")
+        await browser.says("report ", times=asked + 1)
+        said = json.loads(browser.said().splitlines()[-1].removeprefix("report "))
+        if said["blind"]:
+            findings.breach("I6", f"{said['blind']} pages in Chromium show nothing new")
+        if said["went_back"]:
+            findings.breach("I10", f"a page in Chromium showed what was old {said['went_back']}×")
+        findings.figures["a page in Chromium showed nothing new for, s"] += said["pages_s"]
 
     async def _judge_site(self, site: str, acked: int) -> None:
         path, cookie = f"/api/sites/{site}/history", await self.world.cookie()

@@ -244,6 +244,8 @@ class ClusterMember:
     def _hear_tunnel(self, lane: BusLane, hub: str, frame: TunnelFrame) -> None:
         name = TunnelName(hub, frame.tunnel)
         if self._epoch:
+            if frame.kind is FrameKind.OPEN:
+                self.peers.hear_request(hub, self._clock.monotonic_ns())
             self.answering.receive_frame(name, lane, frame)
         else:
             self.entrance.receive_frame(name, frame)

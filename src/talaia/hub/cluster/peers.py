@@ -71,6 +71,8 @@ class Peers:
     def __init__(self) -> None:
         """Know none."""
         self._known: dict[str, KnownHub] = {}
+        # When each handed a request over (monotonic, ns), whether or not it has said more yet.
+        self._asked_ns: dict[str, int] = {}
 
     def __iter__(self) -> Iterator[KnownHub]:
         """Go through all that were heard of, by name."""
@@ -89,14 +91,24 @@ class Peers:
             self._known[notice.hub] = KnownHub(notice, now_ns)
         return before is not None and before.notice.losses != notice.losses
 
+    def hear_request(self, hub: str, now_ns: int) -> None:
+        """Take a request as a sign of life: once the bus is back it may come before the notice."""
+        self._asked_ns.pop(hub, None)
+        self._asked_ns[hub] = now_ns
+        if len(self._asked_ns) > _MOST_KNOWN:
+            # The one that has asked for nothing for the longest.
+            del self._asked_ns[next(iter(self._asked_ns))]
+
     def silence_all(self) -> None:
         """Take all as gone: the bus is, so nobody can be heard."""
+        self._asked_ns.clear()
         self._known = {hub: KnownHub(known.notice, -(10**18)) for hub, known in self._known.items()}
 
     def is_living(self, hub: str, now_ns: int) -> bool:
         """Tell whether a hub was heard a moment ago."""
         known = self._known.get(hub)
-        return known is not None and now_ns - known.heard_ns <= SILENT_S * 1e9
+        heard_ns = max(known.heard_ns if known else -(10**18), self._asked_ns.get(hub, -(10**18)))
+        return now_ns - heard_ns <= SILENT_S * 1e9
 
     def led_lately(self, now_ns: int) -> bool:
         """Tell whether a hub leads, or did so a moment ago: another one is about to."""

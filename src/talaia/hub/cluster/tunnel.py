@@ -8,6 +8,7 @@ tunnel ends, at both ends: whoever is at it connects again and is told anew how 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -88,6 +89,8 @@ class TunnelEnd:
         # Why nothing more comes; empty: a good end. None: it goes on.
         self._over: str | None = None
         self._ended = False
+        # The end was the other one's word.
+        self._other_ended = False
 
     @property
     def over(self) -> str | None:
@@ -138,12 +141,13 @@ class TunnelEnd:
         if self._ended:
             return
         self._ended = True
-        try:
-            await self._send_frame(FrameKind.END, reason.encode())
-        except TunnelBroken:
-            pass
-        finally:
-            self._finish(reason)
+        said, over = reason or self._over or "", self._over
+        self._finish(reason)
+        # What was broken off at this end stands at the other one: without a word it would wait
+        # there for ever, for neither end need have anything to say.
+        if over is None or not self._other_ended:
+            with contextlib.suppress(TunnelBroken):
+                await self._post_frame(FrameKind.END, said.encode())
 
     def receive_frame(self, frame: TunnelFrame) -> None:
         """Take a frame from the other end."""
@@ -162,6 +166,7 @@ class TunnelEnd:
                     self.break_off("another hub sent nonsense")
                 self._room.set()
             case FrameKind.END:
+                self._other_ended = True
                 self._finish(frame.payload.decode(errors="replace"))
             # One was opened already, and a notice has no tunnel.
             case FrameKind.OPEN | FrameKind.NOTICE:
@@ -196,6 +201,9 @@ class TunnelEnd:
     async def _send_frame(self, kind: FrameKind, payload: bytes) -> None:
         if self._over is not None:
             raise TunnelBroken(self._over or "the other end has ended it")
+        await self._post_frame(kind, payload)
+
+    async def _post_frame(self, kind: FrameKind, payload: bytes) -> None:
         frame = TunnelFrame(kind, self.name.number, self._sent, payload)
         self._sent += 1
         try:
