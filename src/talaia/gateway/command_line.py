@@ -99,18 +99,7 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="what detectors of objects and faces run on: cpu, cuda, tensorrt, openvino, coreml, "
         "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
     )
-    parser.add_argument(
-        "--no-meshes",
-        action="store_true",
-        help="hand no files of ROS packages to the hub; otherwise those that the robot's"
-        " description names",
-    )
-    parser.add_argument(
-        "--meshes-from",
-        type=Path,
-        metavar="DIR",
-        help="such files may also lie below this folder, where links of a workspace lead",
-    )
+    _add_asset_options(parser)
     _add_update_options(parser)
     _add_classic_options(parser)
     parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
@@ -135,6 +124,21 @@ def _add_classic_options(parser: argparse.ArgumentParser) -> None:
     classic.add_argument("--classic-key", type=Path, metavar="FILE", help="its key (PEM)")
     classic.add_argument(
         "--classic-token-file", type=Path, metavar="FILE", help="holds the token clients must give"
+    )
+
+
+def _add_asset_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--no-meshes",
+        action="store_true",
+        help="hand no files of ROS packages to the hub; otherwise those that the robot's"
+        " description names",
+    )
+    parser.add_argument(
+        "--meshes-from",
+        type=Path,
+        metavar="DIR",
+        help="such files may also lie below this folder, where links of a workspace lead",
     )
 
 

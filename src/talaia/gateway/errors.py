@@ -7,7 +7,7 @@ GatewayError
 ├── ChannelNumbersFull  too many channels have been described since the start
 ├── SpoolError          the data folder cannot be used
 ├── SettingsError       the gateway was started with settings that do not fit
-├── AssetRefused        a file of a robot is not handed to the hub
+├── AssetUnavailable    a file of a robot is not handed to the hub
 ├── CameraRefused       a camera leads where no camera may be (adapters.video.relay)
 ├── FetchFailed         a server gives no answer that can be read (adapters.http.fetching)
 │   ├── ServerNotReached  nothing was sent
@@ -29,7 +29,7 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "AdapterLost",
-    "AssetRefused",
+    "AssetUnavailable",
     "ChannelNumbersFull",
     "EnrolRefused",
     "FieldError",
@@ -61,7 +61,7 @@ class FieldError(GatewayError):
         return f"field {self.path!r}: {self.problem}" if self.path else self.problem
 
 
-class AssetRefused(GatewayError):
+class AssetUnavailable(GatewayError):
     """A file of a robot that is not handed to the hub; a sentence for people."""
 
 

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from talaia.gateway.assets.asset_reader import AssetReader
 from talaia.gateway.assets.package_index import PackageIndex
-from talaia.gateway.errors import AssetRefused
+from talaia.gateway.errors import AssetUnavailable
 from talaia.wire.asset_uris import AssetUri, parse_asset_uri
 from talaia.wire.frames import MAX_ASSET
 
@@ -78,7 +78,7 @@ def test_what_is_no_mesh_of_the_package_is_refused(world, tmp_path, uri) -> None
     assert name is not None
     reader = reader_of(tmp_path)
     for read in (reader.examine, reader.read_whole):
-        with pytest.raises((AssetRefused, OSError)):
+        with pytest.raises((AssetUnavailable, OSError)):
             read(name)
 
 
@@ -87,7 +87,7 @@ def test_file_by_its_place_is_read_only_within_a_package(world, tmp_path) -> Non
     inside = parse_asset_uri((world / "meshes" / "hand.stl").as_uri())
     outside = parse_asset_uri((tmp_path / "outside" / "far.stl").as_uri())
     assert reader.read_whole(inside) == MESH
-    with pytest.raises(AssetRefused, match="--meshes-from"):
+    with pytest.raises(AssetUnavailable, match="--meshes-from"):
         reader.examine(outside)
 
 
@@ -95,20 +95,20 @@ def test_links_of_a_workspace_are_followed_only_where_the_gateway_is_told_so(
     world, tmp_path
 ) -> None:
     link = parse_asset_uri("package://arm/meshes/link.stl")
-    with pytest.raises(AssetRefused, match="--meshes-from"):
+    with pytest.raises(AssetUnavailable, match="--meshes-from"):
         reader_of(tmp_path).examine(link)
     told = reader_of(tmp_path, beside=tmp_path / "outside")
     assert told.read_whole(link) == SECRET
-    with pytest.raises(AssetRefused):
+    with pytest.raises(AssetUnavailable):
         told.examine(parse_asset_uri("package://arm/other/foot.stl"))
 
 
 def test_file_that_is_too_large_is_refused_without_being_read(world, tmp_path) -> None:
     with (world / "meshes" / "hand.stl").open("r+b") as file:
         file.truncate(MAX_ASSET + 1)
-    with pytest.raises(AssetRefused, match="over"):
+    with pytest.raises(AssetUnavailable, match="over"):
         reader_of(tmp_path).examine(HAND)
-    with pytest.raises(AssetRefused, match="over"):
+    with pytest.raises(AssetUnavailable, match="over"):
         reader_of(tmp_path).read_whole(HAND)
 
 
@@ -129,7 +129,7 @@ def test_nothing_secret_is_read_by_any_name(world, tmp_path, begin, parts) -> No
         return
     try:
         data = reader_of(tmp_path).read_whole(name)
-    except (AssetRefused, OSError):
+    except (AssetUnavailable, OSError):
         return
     # Of another package only by that package's own name.
     assert data == MESH or name == AssetUri("leg", ("foot.stl",))

@@ -6,7 +6,7 @@ import hashlib
 import threading
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.gateway.errors import AssetRefused
+from talaia.gateway.errors import AssetUnavailable
 from talaia.wire.frames import ASSET_KIND, ArchiveOffer, asset_file_id
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class AssetOutbox:
                 raise OSError("nobody asks for it any more")
             try:
                 data = self._reader.read_whole(waiting.name)
-            except (AssetRefused, OSError) as error:
+            except (AssetUnavailable, OSError) as error:
                 self.remove(name)
                 raise OSError(str(error)) from error
             if hashlib.sha256(data).hexdigest() != waiting.offer.digest:

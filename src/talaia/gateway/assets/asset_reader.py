@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 
 from talaia.gateway.assets.named_assets import CompanionScanner
-from talaia.gateway.errors import AssetRefused
+from talaia.gateway.errors import AssetUnavailable
 from talaia.wire.asset_uris import is_asset_name
 from talaia.wire.frames import MAX_ASSET
 
@@ -53,7 +53,7 @@ class AssetReader:
         """Give a file's size and digest; it is read only if it is another than before.
 
         Raises:
-            AssetRefused: it is not handed out.
+            AssetUnavailable: it is not handed out.
 
         """
         path = self._find_path(name)
@@ -81,7 +81,7 @@ class AssetReader:
         """Read all of a file.
 
         Raises:
-            AssetRefused: it is not handed out.
+            AssetUnavailable: it is not handed out.
 
         """
         with _open_file(self._find_path(name)) as file:
@@ -93,29 +93,33 @@ class AssetReader:
     def _find_path(self, name: AssetUri) -> Path:
         """Give where a file lies, without links in its path: where they lead counts."""
         if not is_asset_name(name.parts[-1]):
-            raise AssetRefused("only meshes, and pictures and materials of meshes, are handed out")
+            raise AssetUnavailable(
+                "only meshes, and pictures and materials of meshes, are handed out"
+            )
         folder = None
         if name.package:
             folder = self._index.find_folder(name.package)
             if folder is None:
-                raise AssetRefused(
+                raise AssetUnavailable(
                     f"there is no package {name.package!r} where the gateway runs (source its"
                     " workspace before the gateway starts)"
                 )
         try:
             path = (folder or Path("/")).joinpath(*name.parts).resolve(strict=True)
         except (OSError, RuntimeError) as error:
-            raise AssetRefused("there is no such file where the gateway runs") from error
+            raise AssetUnavailable("there is no such file where the gateway runs") from error
         if folder is None:
             folder = self._index.folder_of(path)
         if not self._is_allowed(path, folder):
-            raise AssetRefused(
+            raise AssetUnavailable(
                 "it lies outside of its package's folder, perhaps by a link of the workspace (see"
                 " talaia gateway --meshes-from)"
             )
         # By a link, another kind of file may stand behind a mesh's name.
         if not is_asset_name(path.name):
-            raise AssetRefused("only meshes, and pictures and materials of meshes, are handed out")
+            raise AssetUnavailable(
+                "only meshes, and pictures and materials of meshes, are handed out"
+            )
         return path
 
     def _is_allowed(self, path: Path, folder: Path | None) -> bool:
@@ -130,15 +134,15 @@ def _open_file(path: Path) -> BinaryIO:
     try:
         file = os.fdopen(os.open(path, flags), "rb")
     except OSError as error:
-        raise AssetRefused(f"the file cannot be read: {error.strerror}") from error
+        raise AssetUnavailable(f"the file cannot be read: {error.strerror}") from error
     about = os.fstat(file.fileno())
     if not stat.S_ISREG(about.st_mode) or about.st_size > MAX_ASSET:
         file.close()
         if stat.S_ISREG(about.st_mode):
             raise _too_large(about.st_size)
-        raise AssetRefused("it is no regular file")
+        raise AssetUnavailable("it is no regular file")
     return file
 
 
-def _too_large(size: int) -> AssetRefused:
-    return AssetRefused(f"it has {size} bytes, and files over {MAX_ASSET} are not handed out")
+def _too_large(size: int) -> AssetUnavailable:
+    return AssetUnavailable(f"it has {size} bytes, and files over {MAX_ASSET} are not handed out")

@@ -7,7 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from talaia.gateway.assets.named_assets import NamedAssets, find_named, is_description
-from talaia.gateway.errors import AssetRefused
+from talaia.gateway.errors import AssetUnavailable
 from talaia.wire.asset_uris import parse_asset_uri
 from talaia.wire.frames import AssetState
 
@@ -81,7 +81,7 @@ class AssetService:
             asked = await self._waiting.get()
             try:
                 found = await self._examine(asked.uri)
-            except AssetRefused as refused:
+            except AssetUnavailable as refused:
                 log.debug("the hub does not get %s: %s", asked.uri, refused)
                 self._send(AssetState(uri=asked.uri, problem=str(refused)[:2000]))
                 continue
@@ -94,19 +94,21 @@ class AssetService:
     async def _examine(self, uri: str) -> ReadAsset:
         name = parse_asset_uri(uri)
         if self._reader is None:
-            raise AssetRefused("this gateway hands out no files (--no-meshes)")
+            raise AssetUnavailable("this gateway hands out no files (--no-meshes)")
         if name is None:
-            raise AssetRefused("it is no name of a file of a package")
+            raise AssetUnavailable("it is no name of a file of a package")
         await self._read_descriptions()
         if not self._named.allows(name):
-            raise AssetRefused(_NOT_NAMED)
+            raise AssetUnavailable(_NOT_NAMED)
         try:
             found = await asyncio.to_thread(self._reader.examine, name)
         except OSError as error:
-            raise AssetRefused(f"the file cannot be read: {error.strerror}") from error
+            raise AssetUnavailable(f"the file cannot be read: {error.strerror}") from error
         others = sum(size for other, size in self._sizes.items() if other != name)
         if others + found.size > _MOST_MODEL:
-            raise AssetRefused(f"the files of a robot are more than {_MOST_MODEL} bytes together")
+            raise AssetUnavailable(
+                f"the files of a robot are more than {_MOST_MODEL} bytes together"
+            )
         self._sizes[name] = found.size
         self._named.add_companions(name, found.companions)
         return found

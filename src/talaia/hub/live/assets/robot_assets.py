@@ -1,5 +1,7 @@
 """Files of robots for whoever may see their model: from the hub's folder, its cache, or the robot.
 
+Long, because asking, taking in and handing out wait for each other.
+
 A file is asked of the gateway once for each link and each time the robot's description comes;
 its bytes cross the line only if no file of that content is here.
 """

@@ -199,9 +199,8 @@ class LinkService:
         # awaited from the last look to `_attach_link`, so no other comes between.
         if not await self._places.wait_place(link, key, hello, address):
             return
-        gateway = LinkedGateway(
-            key.id, hello.boot, told, source, accepts=hello.accepts, takes=tuple(hello.takes)
-        )
+        gateway = LinkedGateway(key.id, hello.boot, told, source, accepts=hello.accepts)
+        gateway.takes = tuple(hello.takes)
         gateway.digest = digest_of(source or hello.description)
         self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
@@ -233,11 +232,7 @@ class LinkService:
             self._attendance.record_leave(key.id, site)
 
     def _attach_link(
-        self,
-        link: GatewayLink,
-        hello: frames.Hello,
-        description: Site,
-        gateway: LinkedGateway,
+        self, link: GatewayLink, hello: frames.Hello, description: Site, gateway: LinkedGateway
     ) -> LiveSite:
         site = description.site
         before = self._sites.find_site(site)
