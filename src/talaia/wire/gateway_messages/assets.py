@@ -10,7 +10,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from talaia.wire.gateway_messages.field_types import Sentence
+from talaia.wire.gateway_messages.field_types import Digest, Sentence
 from talaia.wire.message import Message
 
 __all__ = ["ASSET_KIND", "MAX_ASSET", "AssetRequest", "AssetState", "asset_file_id"]
@@ -43,14 +43,14 @@ class AssetState(Message, frozen=True, kw_only=True, tag="asset_state"):
     Attributes:
         uri: as it was asked for.
         size: bytes.
-        digest: SHA-256 of all of it; empty where it is not handed out.
+        digest: SHA-256 of all of it; none where it is not handed out.
         problem: why it is not.
 
     """
 
     uri: _Uri
     size: _Size = 0
-    digest: Annotated[str, Meta(pattern="^([0-9a-f]{64})?$")] = ""
+    digest: Digest | None = None
     problem: Sentence = ""
 
 

@@ -270,29 +270,26 @@ class RobotAssets:
                 "the robot's gateway hands out no meshes (it is of an older version, or was told"
                 " not to); update it, or put the file into the hub's folder (--assets)"
             )
-        state = await self._ask_state(link, known, uri, fetch=False)
-        if await asyncio.to_thread(self.cache.has_file, live.name, state.digest):
-            return state.digest
+        digest = await self._ask_state(link, known, uri, fetch=False)
+        if await asyncio.to_thread(self.cache.has_file, live.name, digest):
+            return digest
         arrived: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        known.coming.setdefault(state.digest, []).append(arrived)
+        known.coming.setdefault(digest, []).append(arrived)
         try:
-            again = await self._ask_state(link, known, uri, fetch=True)
-            if again.digest != state.digest:
+            if await self._ask_state(link, known, uri, fetch=True) != digest:
                 raise AssetRefused("the file was changed while it was asked for; try again")
             async with asyncio.timeout(self.times.file):
                 await arrived
         except TimeoutError as error:
             raise AssetRefused("the file did not come from the robot's gateway in time") from error
         finally:
-            known.coming[state.digest].remove(arrived)
-            if not known.coming[state.digest]:
-                del known.coming[state.digest]
-        return state.digest
+            known.coming[digest].remove(arrived)
+            if not known.coming[digest]:
+                del known.coming[digest]
+        return digest
 
-    async def _ask_state(
-        self, link: SiteLink, known: _SiteAssets, uri: str, *, fetch: bool
-    ) -> AssetState:
-        """Ask, and wait for the answer; one that hands it out has a digest."""
+    async def _ask_state(self, link: SiteLink, known: _SiteAssets, uri: str, *, fetch: bool) -> str:
+        """Ask, and wait for the answer; give the file's digest."""
         future: asyncio.Future[AssetState] = asyncio.get_running_loop().create_future()
         known.states[uri] = future
         link.send(AssetRequest(uri=uri, fetch=fetch))
@@ -303,9 +300,9 @@ class RobotAssets:
             raise AssetRefused("the robot's gateway does not answer") from error
         finally:
             known.states.pop(uri, None)
-        if state.problem or not state.digest:
+        if state.problem or state.digest is None:
             raise AssetRefused(state.problem or "the robot's gateway does not hand it out")
-        return state
+        return state.digest
 
     async def _keep_file(self, site: str, offer: ArchiveOffer, path: Path) -> None:
         """Take a file that is whole; see `Keeper`."""
