@@ -29,6 +29,7 @@ REFUSING = ("hub/**/*.py",)
 REFUSALS = frozenset(
     {
         "ApiProblem",
+        "AssetRefused",
         "ImpossibleChange",
         "LastAdmin",
         "NameTaken",
@@ -52,6 +53,7 @@ UNREAD = re.compile(
 # Each sentence of these is said to people.
 SPEAKING = (
     "gateway/adapters/unreadable_reports.py",
+    "gateway/assets/*.py",
     "gateway/commands/*.py",
     "gateway/driving/*.py",
     "gateway/safety/*.py",
@@ -65,6 +67,7 @@ SPEAKING = (
     "hub/api/sites/site_views.py",
     "hub/auth/passwords.py",
     "hub/clients/catalog.py",
+    "hub/live/assets/robot_assets.py",
     "hub/live/gateways/change_requests.py",
     "hub/live/gateways/description_intake.py",
     "hub/live/gateways/link_service.py",

@@ -99,6 +99,7 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="what detectors of objects and faces run on: cpu, cuda, tensorrt, openvino, coreml, "
         "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
     )
+    _add_asset_options(parser)
     _add_update_options(parser)
     _add_classic_options(parser)
     parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
@@ -123,6 +124,21 @@ def _add_classic_options(parser: argparse.ArgumentParser) -> None:
     classic.add_argument("--classic-key", type=Path, metavar="FILE", help="its key (PEM)")
     classic.add_argument(
         "--classic-token-file", type=Path, metavar="FILE", help="holds the token clients must give"
+    )
+
+
+def _add_asset_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--no-meshes",
+        action="store_true",
+        help="hand no files of ROS packages to the hub; otherwise those that the robot's"
+        " description names",
+    )
+    parser.add_argument(
+        "--meshes-from",
+        type=Path,
+        metavar="DIR",
+        help="such files may also lie below this folder, where links of a workspace lead",
     )
 
 
@@ -198,6 +214,8 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
             if arguments.releases
             else None
         ),
+        meshes=not arguments.no_meshes,
+        meshes_from=arguments.meshes_from,
         notices=read_notice_settings(arguments.notices) if arguments.notices else None,
     )
 

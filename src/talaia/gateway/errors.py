@@ -7,6 +7,7 @@ GatewayError
 ├── ChannelNumbersFull  too many channels have been described since the start
 ├── SpoolError          the data folder cannot be used
 ├── SettingsError       the gateway was started with settings that do not fit
+├── AssetUnavailable    a file of a robot is not handed to the hub
 ├── CameraRefused       a camera leads where no camera may be (adapters.video.relay)
 ├── FetchFailed         a server gives no answer that can be read (adapters.http.fetching)
 │   ├── ServerNotReached  nothing was sent
@@ -28,6 +29,7 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "AdapterLost",
+    "AssetUnavailable",
     "ChannelNumbersFull",
     "EnrolRefused",
     "FieldError",
@@ -57,6 +59,10 @@ class FieldError(GatewayError):
 
     def __str__(self) -> str:
         return f"field {self.path!r}: {self.problem}" if self.path else self.problem
+
+
+class AssetUnavailable(GatewayError):
+    """A file of a robot that is not handed to the hub; a sentence for people."""
 
 
 class TypeMissing(GatewayError):

@@ -131,6 +131,8 @@ class GatewaySettings:
         updates: where its releases are; none where it is not started by `talaia update run`.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
         detector_provider: what detectors of objects and faces run on.
+        meshes: files that the robot's description names go to the hub when it asks for them.
+        meshes_from: such files may also lie below this folder; none: in their packages' own alone.
 
     """
 
@@ -152,6 +154,8 @@ class GatewaySettings:
     notices: NoticeSettings | None = None
     detector_provider: str = "cpu"
     updates: UpdateSettings | None = None
+    meshes: bool = True
+    meshes_from: Path | None = None
 
 
 def _check_url(url: str, *, allow_plain: bool) -> str:

@@ -116,6 +116,7 @@ class Hub(AssembledHub):
             links=links,
             flood_guard=flood_guard,
             uploads=self.archive.uploads,
+            assets=self.taps.assets,
             releases=self.releases.rollouts.folder,
             audit=log,
         )
@@ -143,6 +144,7 @@ class Hub(AssembledHub):
             samples=self.detection.samples,
             sightings=self.sightings.journal,
             media=self.media.streams,
+            assets=self.taps.assets,
             nights=self.observing.link,
             robot_log=self.robot_log.intake,
             history=store,
@@ -206,6 +208,7 @@ class Hub(AssembledHub):
             alarms=self.alarms,
             history=self.history.store,
             files=self.files.store,
+            assets=self.taps.assets,
             access=self.people.access,
             audit=log,
         )

@@ -15,6 +15,8 @@ HubError
 ├── LastAdmin         the last person who can manage the hub would be gone
 ├── RoleInUse         people have the role
 ├── SeededRole        the role came with the hub and cannot be changed like that
+├── AssetRefused      a file of a robot that is not sent
+│   └── AssetMissing  there is none
 ├── TapRefused        a raw topic that is not there, or not for this person
 ├── HistoryError      history.errors: samples cannot be kept or read
 └── WeakPassword      the password is too short or too long
@@ -25,6 +27,8 @@ from __future__ import annotations
 from talaia.errors import TalaiaError
 
 __all__ = [
+    "AssetMissing",
+    "AssetRefused",
     "CannotStart",
     "FilesDown",
     "HeadsRefused",
@@ -131,3 +135,15 @@ class ProviderRefused(HubError):
 
 class TapRefused(HubError):
     """A raw topic that is not there, or that this person may not have."""
+
+
+class AssetRefused(HubError):
+    """A file of a robot, such as a mesh, that is not sent."""
+
+
+class AssetMissing(AssetRefused):
+    """There is no such file, or nothing is told of it."""
+
+    def __init__(self) -> None:
+        """Say no more than that: which folders there are is nobody's matter."""
+        super().__init__("there is no such file")

@@ -146,6 +146,8 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.ObservationUpdate,
         frames.ReleaseState,
         frames.RobotLogBatch,
+        # Who of the people gets such a file is looked up for each (`RobotAssets`).
+        frames.AssetState,
         frames.Event,
         frames.Beat,
         frames.BeatReply,
@@ -199,6 +201,7 @@ TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.ReleaseOffer,
         frames.ReleasePiece,
         frames.RobotLogAck,
+        frames.AssetRequest,
         frames.FileProgress,
         frames.Beat,
         frames.BeatReply,

@@ -16,6 +16,13 @@ Times ending in ``_us`` are microseconds; ``time_us`` is wall time (UTC since th
 
 from __future__ import annotations
 
+from talaia.wire.gateway_messages.assets import (
+    ASSET_KIND,
+    MAX_ASSET,
+    AssetRequest,
+    AssetState,
+    asset_file_id,
+)
 from talaia.wire.gateway_messages.codecs import (
     FILES_FROM_GATEWAY,
     FILES_FROM_HUB,
@@ -159,10 +166,12 @@ from talaia.wire.gateway_messages.twins import (
 )
 
 __all__ = [
+    "ASSET_KIND",
     "FILES_FROM_GATEWAY",
     "FILES_FROM_HUB",
     "LINK_FROM_GATEWAY",
     "LINK_FROM_HUB",
+    "MAX_ASSET",
     "MAX_GRAPH_NAMES",
     "MAX_GRAPH_NODES",
     "MAX_LOG_LINES",
@@ -178,6 +187,8 @@ __all__ = [
     "PIECE",
     "Ack",
     "ArchiveOffer",
+    "AssetRequest",
+    "AssetState",
     "Beat",
     "BeatReply",
     "Bye",
@@ -272,6 +283,7 @@ __all__ = [
     "TwinState",
     "Welcome",
     "ZoneStay",
+    "asset_file_id",
     "camera_address",
     "unblurred_address",
 ]

@@ -116,8 +116,7 @@ async def test_an_end_is_not_answered_by_an_end() -> None:
     async def up(_name, _lane, frame: TunnelFrame) -> None:
         sent.append(frame.kind.name)
 
-    for post in (down, up):
-        ends.append(TunnelEnd(NAME, BusLane.URGENT, "websocket", post=post))
+    ends += [TunnelEnd(NAME, BusLane.URGENT, "websocket", post=post) for post in (down, up)]
     await ends[0].end_tunnel("the asker has gone")
     await ends[1].end_tunnel("the hub ends")
     assert sent == ["END"]

@@ -297,7 +297,8 @@ export function exportPath(site: string, query: ExportQuery): string {
   return `/api/sites/${encodeURIComponent(site)}/export?${search.toString()}`;
 }
 
-async function refusalOf(response: Response): Promise<Refused> {
+/** Why the hub refuses, in words for people. */
+export async function refusalOf(response: Response): Promise<Refused> {
   const retryAfter = Number(response.headers.get("retry-after") ?? "0") || 0;
   let said: unknown = null;
   try {

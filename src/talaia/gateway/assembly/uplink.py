@@ -56,7 +56,7 @@ class UplinkPart(GatewayPart):
         """Dial nobody yet."""
         self.night, self.actuation = night, actuation
         self._base, self._samples, self._reload = base, samples, reload
-        self._recording, self._video = adapters.recording, video
+        self._recording, self._video, self._taps = adapters.recording, video, adapters.taps
         self.releases = OfferedReleases()
         self.dispatcher = MessageDispatcher(
             boot=base.boot,
@@ -76,6 +76,7 @@ class UplinkPart(GatewayPart):
                 reader=adapters.adapter,
                 listed=lambda: (reload.reload.now.catalogue, reload.reload.now.addresses),
             ),
+            assets=adapters.taps.assets,
             reporter=detection.reporter,
             releases=self.releases,
             robot_log=adapters.robot_log.reporter,
@@ -105,7 +106,12 @@ class UplinkPart(GatewayPart):
         """Keep one connection for messages and samples, one for pictures, one for files."""
         base = self._base
         upload_bytes = base.settings.upload_bytes
-        files = [FileLane("pictures", self._video.outbox, upload_bytes), *self._recording.lanes]
+        files = [
+            # First: somebody waits for these.
+            self._taps.lane,
+            FileLane("pictures", self._video.outbox, upload_bytes),
+            *self._recording.lanes,
+        ]
         # Tasks of their own: a file that hangs on a slow line holds up no command.
         return {
             "link": partial(

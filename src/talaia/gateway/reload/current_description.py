@@ -13,6 +13,8 @@ from talaia.wire.frames import DescriptionUpdate, Hello
 from talaia.wire.sealing import compress_text
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from talaia.model.site import Site
 
 __all__ = ["CurrentDescription", "PreparedDescription", "catalogue_of", "prepare_description"]
@@ -44,7 +46,13 @@ class PreparedDescription(NamedTuple):
     addresses: list[str]
 
     def make_hello(
-        self, boot: str, time_us: int, accepts: AcceptedChanges, acked: int = -1
+        self,
+        *,
+        boot: str,
+        time_us: int,
+        accepts: AcceptedChanges,
+        acked: int = -1,
+        takes: Sequence[str] = (),
     ) -> Hello:
         """Give what a hub is greeted with."""
         return Hello(
@@ -58,6 +66,7 @@ class PreparedDescription(NamedTuple):
             # Without a text there is nothing that a change could begin with.
             accepts=accepts if self.source else AcceptedChanges.NO,
             acked=acked,
+            takes=list(takes),
         )
 
     def make_update(

@@ -76,6 +76,8 @@ class TapService:
         self._outbox = outbox
         outbox.on_linked = self._begin_media
         self._adapter: TappedAdapter | None = None
+        # Called, on any thread, with each message before it goes to the hub.
+        self.on_message: Callable[[ListedTopic, bytes], None] = lambda _topic, _data: None
         # The hub of this link takes lists, schemas and messages.
         self._taken = False
         # Whether the hub wants to know of nodes.
@@ -225,6 +227,7 @@ class TapService:
                 topic.topic, f"a message of {len(data)} bytes is too large to be handed on"
             )
             return
+        self.on_message(topic, data)
         self._outbox.enqueue_message(RawTap(number, wanted.seq, log_us, publish_us, kept, data))
 
     def report_problem(self, topic: str, why: str) -> None:

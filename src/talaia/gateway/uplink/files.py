@@ -72,11 +72,18 @@ class FileSource(Protocol):
 
 
 class FileLane(NamedTuple):
-    """Files of one kind, and how many bytes of them may go in a second."""
+    """Files of one kind, and how many bytes of them may go in a second.
+
+    Attributes:
+        linger_s: after one of them the connection waits so long for another: they are asked for
+            one by one, and each new connection costs a proof of the key.
+
+    """
 
     what: str
     source: FileSource
     rate: float
+    linger_s: float = 0.0
 
 
 class TransferCallbacks(NamedTuple):
@@ -122,9 +129,10 @@ async def send_files(
         return
     async with dial(trust, prover, "/gateway/files") as socket:
         sending.up()
-        left = list(lanes)
-        while (found := await _next(left)) is not None:
+        left, linger_s = list(lanes), 0.0
+        while (found := await _next_within(left, linger_s)) is not None:
             lane, offer = found
+            linger_s = lane.linger_s
             try:
                 await _send(
                     socket=socket,
@@ -144,6 +152,17 @@ async def _next(lanes: Sequence[FileLane]) -> tuple[FileLane, Offer] | None:
         if offers:
             return lane, offers[0]
     return None
+
+
+async def _next_within(lanes: Sequence[FileLane], seconds: float) -> tuple[FileLane, Offer] | None:
+    """Give what waits, or comes within ``seconds``."""
+    found = await _next(lanes)
+    for _ in range(round(seconds / REST_S)):
+        if found is not None:
+            break
+        await asyncio.sleep(REST_S)
+        found = await _next(lanes)
+    return found
 
 
 async def _send(

@@ -14,7 +14,7 @@ from talaia.gateway.uplink.connection import HubLink, HubMessageHandler, run_med
 from talaia.gateway.uplink.dialling import OutageLog, beside_link, keep_dialling
 from talaia.gateway.uplink.files import TransferCallbacks, send_files
 from talaia.gateway.uplink.newest_samples import NewestSamplesSender
-from talaia.wire.frames import ArchiveOffer, NewestBatch, ResumeSaved
+from talaia.wire.frames import ArchiveOffer, AssetRequest, NewestBatch, ResumeSaved
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine, Sequence
@@ -42,6 +42,8 @@ __all__ = [
 ]
 
 log = logging.getLogger(__name__)
+# What a hub may send that knows it.
+_TAKES = (str(AssetRequest.__struct_config__.tag),)
 
 
 class HubDispatcher(HubMessageHandler, Protocol):
@@ -128,7 +130,11 @@ async def keep_link(
         nonlocal told
         told = reload.turn
         return reload.now.make_hello(
-            boot, clock.wall_ns() // 1000, settings.accepts, spool.acked_below(boot)
+            boot=boot,
+            time_us=clock.wall_ns() // 1000,
+            accepts=settings.accepts,
+            acked=spool.acked_below(boot),
+            takes=_TAKES if settings.meshes else (),
         )
 
     def beside(welcome: Welcome) -> asyncio.Task[None]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from talaia.model.recording import Trigger
 from talaia.wire.frames import (
     Ack,
+    AssetRequest,
     ChangeRequest,
     CommandCancel,
     CommandPhase,
@@ -46,6 +47,7 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from talaia.gateway.actuation import Actuation
     from talaia.gateway.adapters.connectivity import DeviceReachability
+    from talaia.gateway.assets.asset_service import AssetService
     from talaia.gateway.detection.sighting_reports import DetectionReporter
     from talaia.gateway.night.night_service import NightService
     from talaia.gateway.ports import Adapter, CommandOutcome, EventSink
@@ -87,6 +89,7 @@ class MessageDispatcher:
         pictures: PictureUplink,
         taps: TapService,
         watch: SignalWatch,
+        assets: AssetService,
         reporter: DetectionReporter,
         releases: OfferedReleases,
         robot_log: LogReporter,
@@ -97,6 +100,7 @@ class MessageDispatcher:
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
         self._taps = taps  # Raw topics, on the media connection, too.
         self._watch = watch  # Signals that somebody looks at.
+        self._assets = assets  # Files that the robot's description names.
         self._reporter = reporter  # Sightings on their way to the hub.
         self._releases = releases  # Of this gateway's own software, which the hub offers.
         self._robot_log = robot_log  # So are lines of the robot's log.
@@ -159,6 +163,7 @@ class MessageDispatcher:
         self._pacer.reset_timer()
         self._taps.link_lost()
         self._watch.link_lost()
+        self._assets.link_lost()
         self._pictures.watch((), {})
         self.update_watched_streams()
 
@@ -217,6 +222,9 @@ class MessageDispatcher:
                 return
             case SignalSubscription():
                 self._watch.subscribe(message)
+                return
+            case AssetRequest():
+                self._assets.handle_request(message)
                 return
             case RobotLogAck():
                 self._robot_log.handle_ack(message)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.features.gateways import GatewaysFeature
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.live.detection.sightings import SightingJournal
     from talaia.hub.live.gateways.description_intake import DescriptionIntake
     from talaia.hub.live.gateways.flood_guard import FloodGuard
@@ -44,6 +45,7 @@ class GatewayLinksFeature(Feature):
         samples: LiveSamples,
         sightings: SightingJournal,
         media: PictureFanout,
+        assets: RobotAssets,
         nights: NightLink,
         robot_log: RobotLogIntake,
         history: History,
@@ -58,6 +60,7 @@ class GatewayLinksFeature(Feature):
             media=media,
             taps=core.taps,
             watched=core.fanout.watched,
+            assets=assets,
             nights=nights,
             robot_log=robot_log,
             history=history,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.files.ports import FileStore
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.live.files.uploads import Uploads
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
@@ -49,13 +50,14 @@ class RecordingsFeature(Feature):
         links: OpenLinks,
         flood_guard: FloodGuard,
         uploads: Uploads,
+        assets: RobotAssets,
         releases: ReleaseFolder,
         audit: Audit,
     ) -> None:
         """Keep them in ``store``, write down in ``audit`` what comes and goes.
 
-        Other files go to ``uploads``; ``flood_guard`` slows gateways that say too much;
-        ``releases`` go the other way.
+        Other files go to ``uploads``, those of robots to ``assets``; ``flood_guard`` slows
+        gateways that say too much; ``releases`` go the other way.
         """
         # The list is in the database and the files on the disk; `open` makes the two fit.
         rows = RecordingList(core.database)
@@ -76,6 +78,7 @@ class RecordingsFeature(Feature):
                 flood_guard=flood_guard,
                 recordings=self.files,
                 uploads=uploads,
+                assets=assets,
                 releases=releases,
             ),
         )
@@ -83,7 +86,7 @@ class RecordingsFeature(Feature):
         recorded = RecordedTopicPages(RecordedTopics(self.files), clock=core.clock, audit=audit)
         films = RecordingPages(self.files, FilmPictures(store), audit)
         self.routers = [films.make_router(), recorded.make_router()]
-        ends = [self.files.end_standing_uploads, uploads.end_standing_uploads]
+        ends = [keeper.end_standing_uploads for keeper in (self.files, uploads, assets)]
         self.tasks = [BackgroundTask(name="standstill", run=partial(end_standing_for_ever, ends))]
         if store.remote:
             stored = StoredRecordings(self.files, rows)

@@ -122,6 +122,7 @@ class LinkedGateway:
         source: the description's text as a person wrote it; empty where it cannot be changed.
         digest: of the text that is kept as the site's newest version; empty: it is not known.
         accepts: which changes it takes: ``no``, ``readings`` or ``all``.
+        takes: messages that may be sent to it, and not to older ones.
         problem: what is wrong with the description's file at the gateway, if anything.
         challenged: it proved its key by our challenge; one of before says the key.
         proven: which place it showed that it had as it was linked; none: it showed none.
@@ -137,6 +138,7 @@ class LinkedGateway:
     source: str = ""
     digest: str = ""
     accepts: str = ""
+    takes: tuple[str, ...] = ()
     problem: ChangeState | None = None
     challenged: bool = False
     proven: ResumeToken = NO_PLACE

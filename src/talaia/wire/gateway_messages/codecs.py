@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from talaia.wire.gateway_messages.assets import AssetRequest, AssetState
 from talaia.wire.gateway_messages.commands import CommandCancel, CommandRequest, CommandState
 from talaia.wire.gateway_messages.description import ChangeRequest, ChangeState, DescriptionUpdate
 from talaia.wire.gateway_messages.driving import (
@@ -125,6 +126,7 @@ FromGateway = (
     | ObservationUpdate
     | ReleaseState
     | RobotLogBatch
+    | AssetState
     | Event
     | Beat
     | BeatReply
@@ -160,6 +162,7 @@ FromHub = (
     | ObservationAck
     | ReleaseOffer
     | RobotLogAck
+    | AssetRequest
     | Beat
     | BeatReply
     | Bye

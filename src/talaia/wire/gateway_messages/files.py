@@ -118,7 +118,7 @@ class ArchiveOffer(Message, frozen=True, kw_only=True, tag="archive_offer"):
 
     Attributes:
         id: the gateway's own name for it, never used twice.
-        kind: what it is and so where it goes: ``fits``.
+        kind: what it is and so where it goes: ``fits``; ``mesh``, if the hub has asked for it.
         device: whose it is.
         digest: SHA-256 of the whole.
         time_us: when it was made.

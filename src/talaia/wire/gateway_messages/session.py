@@ -45,6 +45,7 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
         accepts: which changes the gateway takes from the hub: ``no``, ``readings`` or ``all``.
         acked: below which sample of this boot a hub has said that all is stored; -1: not said. A
             hub whose history is away answers with it.
+        takes: messages that may be sent to this gateway, and not to older ones: ``asset_request``.
 
     """
 
@@ -60,6 +61,7 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
     source: Deflated = b""
     accepts: Word = ""
     acked: Annotated[int, Meta(ge=-1, le=2**62)] = -1
+    takes: FormList = []
 
 
 class Event(EventFields, frozen=True, kw_only=True, tag="event"):

@@ -1,11 +1,11 @@
 /** The robot as its description draws it, with its links where the frames say. */
 
-import { LoadingManager, type Object3D } from "three";
+import type { Object3D } from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 import type { JointState } from "../../scene/messages.js";
 import { whyNoModel } from "../../scene/robot-description.js";
 import type { SceneModel } from "../../scene/scene-model.js";
-import { assetUrl, type MeshStore } from "./meshes.js";
+import type { MeshStore } from "./meshes.js";
 
 export class RobotModel {
   readonly root: URDFRobot;
@@ -18,13 +18,11 @@ export class RobotModel {
    * @param onTrouble a mesh cannot be had; a sentence
    * @throws Error when the text is no robot description
    */
-  constructor(urdf: string, site: string, meshes: MeshStore, listener: { readonly onChange: () => void; readonly onTrouble: (why: string) => void }) {
+  constructor(urdf: string, meshes: MeshStore, listener: { readonly onChange: () => void; readonly onTrouble: (why: string) => void }) {
     const why = whyNoModel(urdf);
     if (why !== null) throw new Error(why);
-    const manager = new LoadingManager();
-    // Pictures that meshes are painted with come from where meshes come from.
-    manager.setURLModifier((url) => (url.startsWith("package://") ? assetUrl(site, url) : url));
-    const loader = new URDFLoader(manager);
+    // Pictures that links are painted with come from where meshes come from.
+    const loader = new URDFLoader(meshes.pictures);
     loader.packages = (name) => `package://${name}`;
     loader.loadMeshCb = (uri, _manager, done) => {
       meshes.load(uri).then(

@@ -19,6 +19,7 @@ import { sameOptions, type MeasuredLine, type SceneColours, type SceneDrawing, t
 import { fadeFrustum, picturePart, redrawFrustum } from "./frustum-layer.js";
 import { disposeObject, drawLayer } from "./layer-drawing.js";
 import { MeshStore } from "./meshes.js";
+import { MissingMeshes } from "./missing-meshes.js";
 import { redrawPoints, shownCount } from "./point-layer.js";
 import { GhostModels } from "./ghost-models.js";
 import { isSoftware, rendererName } from "./graphics.js";
@@ -74,12 +75,12 @@ export class SceneView implements SceneDrawing {
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly model: SceneModel,
-    private readonly site: string,
+    site: string,
     colours: SceneColours,
     private readonly onTrouble: (why: string) => void,
   ) {
     this.renderer = new WebGLRenderer({ canvas, context: openGraphics(canvas) });
-    this.meshes = new MeshStore(site);
+    this.meshes = new MeshStore(site, this.schedule);
     // REP-103: z is up.
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(...START);
@@ -240,7 +241,8 @@ export class SceneView implements SceneDrawing {
         disposeObject(this.robot.root);
       }
       try {
-        this.robot = new RobotModel(model.urdf, this.site, this.meshes, { onChange: this.schedule, onTrouble: this.onTrouble });
+        const missing = new MissingMeshes(this.onTrouble);
+        this.robot = new RobotModel(model.urdf, this.meshes, { onChange: this.schedule, onTrouble: missing.add });
         this.scene.add(this.robot.root);
         this.robot.addFrames(model, model.joints, nowMs);
       } catch (error) {

@@ -3,12 +3,13 @@
 import { describe, expect, it } from "vitest";
 import { Mesh } from "three";
 import { MeshStore } from "../../../src/elements/scene/meshes.js";
+import { MissingMeshes } from "../../../src/elements/scene/missing-meshes.js";
 
 const TRIANGLE = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n";
 
 function storeOver(answer: (url: string) => Response): { readonly store: MeshStore; readonly asked: string[] } {
   const asked: string[] = [];
-  const store = new MeshStore("yard", (url) => {
+  const store = new MeshStore("yard", undefined, (url) => {
     asked.push(url as string);
     return Promise.resolve(answer(url as string));
   });
@@ -27,7 +28,7 @@ describe("a robot's meshes", () => {
 
   it("come from no other address than the hub's", async () => {
     const { store, asked } = storeOver(() => new Response(TRIANGLE));
-    for (const uri of ["https://elsewhere.example/a.stl", "file:///etc/passwd", "//elsewhere.example/a.stl"]) await expect(store.load(uri)).rejects.toThrow("only meshes of packages");
+    for (const uri of ["https://elsewhere.example/a.stl", "file://elsewhere/a.stl", "//elsewhere.example/a.stl"]) await expect(store.load(uri)).rejects.toThrow("only meshes of packages");
     expect(asked).toEqual([]);
   });
 
@@ -45,8 +46,26 @@ describe("a robot's meshes", () => {
     await expect(store.load("package://arm/b.xyz")).rejects.toThrow("more than 256 MiB of meshes");
   });
 
-  it("that the hub does not have are said by name", async () => {
-    const { store } = storeOver(() => new Response("", { status: 404 }));
-    await expect(store.load("package://arm/a.stl")).rejects.toThrow("package://arm/a.stl: the hub does not have it");
+  it("that are named by their place on the robot are asked of the hub, too, without ways up", async () => {
+    const { store, asked } = storeOver(() => new Response(TRIANGLE));
+    await store.load("file:///opt/robot/meshes/../a.stl");
+    expect(asked).toEqual(["/api/sites/yard/assets?uri=file%3A%2F%2F%2Fopt%2Frobot%2Fa.stl"]);
+  });
+
+  it("that cannot be had are said with the hub's reason, and asked for again when the robot is drawn anew", async () => {
+    const why = JSON.stringify({ code: "unknown", message: "it is not there" });
+    const { store, asked } = storeOver(() => new Response(why, { status: 404 }));
+    await expect(store.load("package://arm/a.stl")).rejects.toThrow("package://arm/a.stl: it is not there");
+    await expect(store.load("package://arm/a.stl")).rejects.toThrow("it is not there");
+    expect(asked).toHaveLength(2);
+  });
+});
+
+describe("meshes that are missing", () => {
+  it("are said once each, and in one sentence", () => {
+    const said: string[] = [];
+    const missing = new MissingMeshes((why) => said.push(why));
+    for (const sentence of ["a.stl: it is not there", "a.stl: it is not there", "b.stl: too large"]) missing.add(sentence);
+    expect(said).toEqual(["a.stl: it is not there", "2 meshes of the robot are missing. The first: a.stl: it is not there"]);
   });
 });

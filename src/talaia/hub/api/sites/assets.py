@@ -1,9 +1,7 @@
-"""Meshes of robots for the pages that draw them; see `AssetFolder`."""
+"""Meshes of robots for the pages that draw them; see `RobotAssets`."""
 
 from __future__ import annotations
 
-import asyncio
-import hashlib
 from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -13,10 +11,10 @@ from talaia.hub.api.access import who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.permissions import Right
-from talaia.hub.clients.foxglove.asset_requests import AssetRefused
+from talaia.hub.errors import AssetRefused
 
 if TYPE_CHECKING:
-    from talaia.hub.clients.foxglove.asset_requests import AssetFolder
+    from talaia.hub.live.assets.robot_assets import RobotAssets
 
 __all__ = ["AssetPages"]
 
@@ -26,9 +24,9 @@ _Uri = Annotated[str, Query(max_length=1000)]
 class AssetPages:
     """The route of a robot's files."""
 
-    def __init__(self, folder: AssetFolder) -> None:
-        """Answer from the hub's folder."""
-        self._folder = folder
+    def __init__(self, assets: RobotAssets) -> None:
+        """Answer from what the hub has or gets."""
+        self._assets = assets
 
     def router(self) -> APIRouter:
         """Give the routes."""
@@ -39,18 +37,19 @@ class AssetPages:
     async def file(self, site: str, uri: _Uri, request: Request) -> Response:
         """Download a file of a robot's packages, such as a mesh, by its URI ``package://…``.
 
-        Kept by the browser as long as its content (``ETag``) stays the same.
+        It comes from the hub's folder of files, or from the robot by its gateway, if the robot's
+        description names it. Kept by the browser as long as its content (``ETag``) stays the same.
         """
-        devices = who_of(request).grants.devices(Right.VIEW, site)
+        grants = who_of(request).grants
+        devices = grants.devices(Right.VIEW, site)
         # None stands for all devices. Who may view none learns of no file.
         if devices is not None and not devices:
             raise ApiProblem(404, "unknown", "there is no such file")
         try:
-            # A disk may take its time.
-            data = await asyncio.to_thread(self._folder.read_file, site, uri)
+            found = await self._assets.read_asset(site, uri, grants)
         except AssetRefused as refused:
             raise ApiProblem(404, "unknown", str(refused)) from refused
-        tag = await asyncio.to_thread(lambda: f'"{hashlib.sha256(data).hexdigest()}"')
+        tag = f'"{found.digest}"'
         headers = {
             "ETag": tag,
             # Asked again each time, and sent again only when it is another.
@@ -59,4 +58,4 @@ class AssetPages:
         }
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers=headers)
-        return Response(data, media_type="application/octet-stream", headers=headers)
+        return Response(found.data, media_type="application/octet-stream", headers=headers)

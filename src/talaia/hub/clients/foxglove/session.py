@@ -57,8 +57,8 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.clients.client_cameras import ClientCameras
     from talaia.hub.clients.client_connection import ClientConnection
-    from talaia.hub.clients.foxglove.asset_requests import AssetFolder
     from talaia.hub.clients.foxglove.offer import ServiceEntry
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage
     from talaia.wire.browser import ToBrowser
@@ -105,7 +105,7 @@ class FoxgloveSession:
         *,
         taps: TapFanout,
         cameras: ClientCameras,
-        assets: AssetFolder,
+        assets: RobotAssets,
         clock: Clock,
     ) -> None:
         """Speak over ``socket`` for ``connection``.

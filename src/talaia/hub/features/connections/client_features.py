@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from talaia.hub.features.feature import Core, Feature
     from talaia.hub.features.media import MediaFeature
     from talaia.hub.files.ports import FileStore
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
 
@@ -33,6 +34,7 @@ def build_client_features(
     alarms: AlarmsFeature,
     history: History,
     files: FileStore,
+    assets: RobotAssets,
     access: Access,
     audit: Audit,
 ) -> tuple[Feature, ...]:
@@ -45,6 +47,7 @@ def build_client_features(
         alarms: has the alarms that are counted.
         history: has past values.
         files: where whole files are.
+        assets: where files of robots come from.
         access: finds the account of a token.
         audit: where it is written who did what.
 
@@ -54,7 +57,9 @@ def build_client_features(
     """
     return (
         AlpacaFeature(core, clients=clients, access=access, audit=audit),
-        FoxgloveFeature(core, clients=clients, streams=media.streams, history=history),
+        FoxgloveFeature(
+            core, clients=clients, streams=media.streams, history=history, assets=assets
+        ),
         MetricsFeature(core, clients=clients, alarms=alarms.engine, history=history, files=files),
         MqttFeature(core, clients=clients, access=access, audit=audit),
         RosbridgeFeature(core, clients=clients),

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.clients.catalog import FOXGLOVE
 from talaia.hub.clients.client_cameras import ClientCameras
-from talaia.hub.clients.foxglove.asset_requests import AssetFolder
 from talaia.hub.clients.foxglove.playback_position import read_window
 from talaia.hub.clients.foxglove.playback_session import PlaybackSession
 from talaia.hub.clients.foxglove.session import FoxgloveSession
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from talaia.hub.clients.client_connection import ClientConnection, ClientSession
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
     from talaia.hub.features.feature import Core
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.ports import History
 
@@ -37,6 +37,7 @@ class FoxgloveFeature(Feature):
         clients: ClientProtocolsFeature,
         streams: PictureFanout,
         history: History,
+        assets: RobotAssets,
     ) -> None:
         """Serve clients of one protocol.
 
@@ -45,11 +46,12 @@ class FoxgloveFeature(Feature):
             clients: lets them in.
             streams: where pictures come from.
             history: where the past comes from.
+            assets: where files of robots come from.
 
         """
         self._core = core
         self._history = history
-        self._assets = AssetFolder(core.settings.assets)
+        self._assets = assets
         self._streams = streams
         # Both names of the protocol carry the same messages.
         sockets = clients.serve_sockets(FOXGLOVE, begin=self._begin, subprotocols=SUBPROTOCOLS)

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.sites.assets import AssetPages
 from talaia.hub.api.sites.topics import TopicPages
 from talaia.hub.api.sockets.topic_sockets import TopicSockets
-from talaia.hub.clients.foxglove.asset_requests import AssetFolder
 from talaia.hub.features.feature import Feature
+from talaia.hub.live.assets.asset_cache import AssetCache
+from talaia.hub.live.assets.asset_folder import AssetFolder
+from talaia.hub.live.assets.robot_assets import RobotAssets
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
@@ -23,7 +25,12 @@ __all__ = ["TapsFeature"]
 
 
 class TapsFeature(Feature):
-    """Lists topics to people, lets their pages follow them, and hands out meshes."""
+    """Lists topics to people, lets their pages follow them, and hands out meshes.
+
+    Attributes:
+        assets: files of robots, and those of them that gateways hand over.
+
+    """
 
     name = "taps"
 
@@ -31,8 +38,16 @@ class TapsFeature(Feature):
         self, core: Core, *, admission: SocketAdmission, seats: SocketSessions, audit: Audit
     ) -> None:
         """Let pages in by ``admission``; ``seats`` closes whose right has ended."""
-        assets = AssetPages(AssetFolder(core.settings.assets))
-        self.routers = [TopicPages(core.taps).router(), assets.router()]
+        data = core.settings.data
+        self.assets = RobotAssets(
+            folder=AssetFolder(core.settings.assets),
+            cache=AssetCache(data / "meshes"),
+            # Beside the sites in the cache: none of them has such a name.
+            uploads=data / "meshes" / ".coming",
+            sites=core.sites,
+            taps=core.taps,
+        )
+        self.routers = [TopicPages(core.taps).router(), AssetPages(self.assets).router()]
         sockets = TopicSockets(
             admission=admission,
             sites=core.sites,
@@ -42,3 +57,7 @@ class TapsFeature(Feature):
             audit=audit,
         )
         self.sockets = [sockets.router()]
+
+    async def close(self) -> None:
+        """Wait for no gateway any more."""
+        await self.assets.close()

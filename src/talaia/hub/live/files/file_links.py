@@ -15,6 +15,7 @@ from talaia.hub.live.gateways.gateway_words import with_known_who
 from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (
+    ASSET_KIND,
     FILES_FROM_GATEWAY,
     FILES_FROM_HUB,
     ArchiveOffer,
@@ -27,6 +28,7 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.live.files.recordings import Recordings
     from talaia.hub.live.files.uploads import Uploads
     from talaia.hub.live.gateways.flood_guard import FloodGuard
@@ -126,9 +128,10 @@ class FileLinks:
         flood_guard: FloodGuard,
         recordings: Recordings,
         uploads: Uploads,
+        assets: RobotAssets,
         releases: ReleaseFolder,
     ) -> None:
-        """Keep in ``recordings`` and ``uploads``; ``links`` closes who has a revoked key.
+        """Keep in ``recordings``, ``uploads`` and ``assets``; ``links`` closes revoked keys'.
 
         ``sites`` know in whose names something was asked of each; ``flood_guard`` slows who says
         too much; ``releases`` are for gateways to fetch.
@@ -138,6 +141,7 @@ class FileLinks:
         self._links = links
         self._recordings = recordings
         self._uploads = uploads
+        self._assets = assets
         self._releases = releases
 
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
@@ -159,7 +163,7 @@ class FileLinks:
     ) -> FileProgress:
         """Lead an offer to who keeps its kind."""
         if isinstance(offer, ArchiveOffer):
-            return await self._uploads.answer_offer(site, offer)
+            return await self._keeper_of(offer).answer_offer(site, offer)
         live = self._sites.find_site(site)
         known = HandedDown() if live is None else live.handed_down
         return await self._recordings.answer_offer(site, with_known_who(known, offer))
@@ -173,5 +177,8 @@ class FileLinks:
     ) -> FileProgress:
         """Lead a piece to who keeps its file."""
         if isinstance(offer, ArchiveOffer):
-            return await self._uploads.append_piece(site, offer, piece)
+            return await self._keeper_of(offer).append_piece(site, offer, piece)
         return await self._recordings.append_piece(site, offer, piece)
+
+    def _keeper_of(self, offer: ArchiveOffer) -> Uploads | RobotAssets:
+        return self._assets if offer.kind == ASSET_KIND else self._uploads

@@ -114,6 +114,7 @@ _KINDS: dict[type[Message], tuple[str, Allowance]] = {
     frames.FilePiece: ("pieces of files", _PIECES),
     frames.ReleaseRequest: ("pieces of releases", _PIECES),
     frames.ReleaseState: ("releases", _ABOUT_TAPS),
+    frames.AssetState: ("meshes", _ABOUT_TAPS),
 }
 DIALS, UNKNOWN = "connections", "unknown messages"
 DIALS_BACK = "connections of the gateway that was here before"

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.clock import Clock
+    from talaia.hub.live.assets.robot_assets import RobotAssets
     from talaia.hub.live.detection.sightings import SightingJournal
     from talaia.hub.live.gateways.description_intake import DescriptionIntake
     from talaia.hub.live.gateways.doubles.gateway_places import GatewayPlaces
@@ -99,6 +100,7 @@ class LinkService:
         media: PictureFanout,
         taps: TapFanout,
         watched: WatchedSignals,
+        assets: RobotAssets,
         nights: NightLink,
         robot_log: RobotLogIntake,
         history: History,
@@ -121,6 +123,7 @@ class LinkService:
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
             watched: is told when a link can be asked to send soon what is on a screen.
+            assets: the same, of files of robots.
             nights: takes how nights stand and what was observed.
             robot_log: takes lines of robots' own logs.
             history: keeps samples.
@@ -138,7 +141,8 @@ class LinkService:
         self._reporting = reporting
         self._samples = samples
         self._sightings = sightings
-        self._media, self._taps, self._watched = media, taps, watched
+        self._media, self._taps = media, taps
+        self._watched, self._assets = watched, assets
         self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance = attendance
         self._links = links
@@ -200,6 +204,7 @@ class LinkService:
         if not await self._places.wait_place(link, key, hello, address):
             return
         gateway = LinkedGateway(key.id, hello.boot, told, source, accepts=hello.accepts)
+        gateway.takes = tuple(hello.takes)
         gateway.digest = digest_of(source or hello.description)
         self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
@@ -231,11 +236,7 @@ class LinkService:
             self._attendance.record_leave(key.id, site)
 
     def _attach_link(
-        self,
-        link: GatewayLink,
-        hello: frames.Hello,
-        description: Site,
-        gateway: LinkedGateway,
+        self, link: GatewayLink, hello: frames.Hello, description: Site, gateway: LinkedGateway
     ) -> LiveSite:
         site = description.site
         before = self._sites.find_site(site)
@@ -266,6 +267,7 @@ class LinkService:
         self._media.watch(site)
         self._taps.link_up(site)
         self._watched.link_up(site)
+        self._assets.link_up(site)
         _LOG.info("the gateway of %s is connected", site)
         return live
 
@@ -275,6 +277,7 @@ class LinkService:
             return
         live.detach_link(self._clock.wall_ns() // 1000)
         self._taps.link_lost(live.name)
+        self._assets.link_lost(live.name)
         self._nights.link_lost(live.name)
         self._describing.link_lost(live)
         self._reporting.link_lost(live)
@@ -362,6 +365,8 @@ class LinkService:
                     live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
                 case frames.ResumeSaved():
                     live.gateway.saved |= message.serial == live.gateway.issued.serial
+                case frames.AssetState():
+                    self._assets.handle_state(live.name, message)
                 case frames.ReleaseState():
                     live.gateway.releases = message
                 case frames.Bye():

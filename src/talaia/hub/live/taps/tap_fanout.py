@@ -40,7 +40,7 @@ from talaia.wire.frames import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
     from talaia.clock import Clock
     from talaia.hub.auth.permissions import Grants
@@ -71,6 +71,8 @@ class TapFanout:
         self._sites = sites
         self._clock = clock
         self._schema_s = schema_s
+        # Called with site, topic and type of each message, before its takers have it.
+        self.on_message: Callable[[str, str, str], None] = lambda _site, _topic, _type: None
         self.graphs = GraphWatch(sites, ask_soon=self._ask_soon, allows=self.allows)
         # What is known and tapped, by site.
         self._known: dict[str, SiteTopics] = {}
@@ -269,6 +271,7 @@ class TapFanout:
             case TapMessage():
                 whole = known.read_message(message, self._clock.monotonic_ns() // 1_000_000)
                 if whole is not None:
+                    self.on_message(site, whole.topic, known.entries[whole.topic].type)
                     for tap in known.tapped[whole.topic].taps:
                         tap.taker.deliver_message(tap, whole)
             case TapSchema():

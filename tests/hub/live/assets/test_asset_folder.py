@@ -1,16 +1,14 @@
-"""Meshes from the hub's folder: what npm's client is sent, and that nothing else is ever read."""
+"""The folder that the hub's owner fills: each site's own files, and nothing beside them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
-from talaia.hub.clients.foxglove.asset_requests import AssetFolder, AssetRefused
-
-from .foxglove_peer import NodeClient, client_of
+from talaia.hub.errors import AssetRefused
+from talaia.hub.live.assets.asset_folder import AssetFolder
 
 MESH = b"solid base\nendsolid base\n"
+BODY = "package://base/my%20meshes/body.STL"
 
 
 @pytest.fixture
@@ -29,12 +27,6 @@ def assets(tmp_path):
     return folder
 
 
-@pytest.fixture
-def settings(settings, assets):
-    return replace(settings, assets=assets)
-
-
-BODY = "package://base/my%20meshes/body.STL"
 REFUSED = [
     "",
     "package://",
@@ -66,31 +58,11 @@ def test_what_is_no_file_of_the_site_is_refused(assets, uri) -> None:
         AssetFolder(assets).read_file("agv", uri)
 
 
-async def test_npm_client_gets_a_mesh_of_what_its_person_may_view_and_the_hubs_time(world) -> None:
-    # What each gets: a guest sees a public signal, which is no right to view.
-    for name, allowed in (("guest", False), ("driver", True), ("admin", True)):
-        async with await client_of(world, name, kind=NodeClient) as client:
-            now_s = world.hub.hub.core.clock.wall_ns() / 1e9
-            told = await client.hear("time")
-            assert abs(int(told["timestamp"]) / 1e9 - now_s) < 60
-            await client.call("fetchAsset", BODY, 7)
-            said = await client.hear("fetchAssetResponse")
-            assert said["requestId"] == 7
-            if allowed:
-                assert said["data"].encode() == MESH
-            else:
-                assert said["error"] == "there is no such file"
-            await client.call("fetchAsset", "package://../moon/rover/body.stl", 8)
-            assert "error" in await client.hear("fetchAssetResponse")
-
-
-async def test_site_without_a_folder_has_no_assets(world) -> None:
-    for site, offered in (("agv", True), ("moon", True), ("nowhere", False)):
-        assert AssetFolder(world.hub.settings.assets).has_site(site) is offered
-    client = await client_of(world, "guest")
-    info = await client.hear("serverInfo")
-    assert "assets" not in info["capabilities"]
-    await client.close()
+def test_file_of_a_site_is_read(assets) -> None:
+    assert AssetFolder(assets).read_file("agv", BODY) == MESH
+    for site, has in (("agv", True), ("moon", True), ("nowhere", False)):
+        assert AssetFolder(assets).has_site(site) is has
+    assert not AssetFolder(None).has_site("agv")
 
 
 @pytest.mark.parametrize("site", ["..", ".", "", "agv/base", "none"])
