@@ -20,14 +20,26 @@ COUNTS = {"value": 18, "chart": 12, "gauge": 8, "table": 2}
 # Three rows of values, three of charts, two of gauges and half a one of tables, with the page's
 # head.
 HEIGHT = 1700
-# From a message on the page's socket to the frame after the charts were drawn; and to the frame
-# after it was handled, by when all that is no chart is drawn. A message with samples of a chart is
-# never so small as what is said of the time.
+# From a message on the page's socket to the frame after its charts were drawn; and of each message
+# to the frame after it was handled, by when all that is no chart is drawn. Of charts are the
+# subscriptions that the page asked for 20 times a second; what comes for values five times a second
+# would wait for the charts' next samples. A message with samples is never so small as what is said
+# of the time.
 NOTE_BOARD = """
 (() => {
   const note = { charts: [], rest: [], clicked: 0, dataAt: 0, drawn: 0, seen: new Set(), all: 0 };
   window.__board = note;
+  const ofCharts = new Set();
   let waiting = [];
+  let news = false;
+  // The whole number behind a key of MessagePack; -1 without.
+  const numberOf = (bytes, key) => {
+    const sign = [0xa0 + key.length, ...new TextEncoder().encode(key)];
+    const at = bytes.findIndex((_, i) => sign.every((one, j) => bytes[i + j] === one));
+    const [kind, high, low] = bytes.subarray(at + sign.length);
+    if (at < 0) return -1;
+    return kind < 0x80 ? kind : kind === 0xcc ? high : kind === 0xcd ? 256 * high + low : -1;
+  };
   const Plain = window.WebSocket;
   window.WebSocket = class extends Plain {
     constructor(...words) {
@@ -36,17 +48,23 @@ NOTE_BOARD = """
         if ((event.data.byteLength ?? 0) < 200) return;
         const at = event.timeStamp;
         if (note.dataAt === 0) note.dataAt = at;
-        waiting.push(at);
+        news = true;
+        if (ofCharts.has(numberOf(new Uint8Array(event.data, 0, 64), 'sub'))) waiting.push(at);
         const noteRest = () => note.rest.push(performance.now() - at);
         requestAnimationFrame(() => requestAnimationFrame(noteRest));
       });
     }
+    send(bytes) {
+      if (numberOf(bytes, 'every_ms') === 50) ofCharts.add(numberOf(bytes, 'sub'));
+      super.send(bytes);
+    }
   };
   window.__talaiaPainted = (address) => {
     note.seen.add(address);
-    if (waiting.length === 0) return;
+    if (!news) return;
     const drawn = waiting;
     waiting = [];
+    news = false;
     requestAnimationFrame(() => {
       const now = performance.now();
       note.charts.push(...drawn.map((at) => now - at));

@@ -1,163 +1,44 @@
-"""Two hubs as one beside the lead alone, in one run: latency, processor time, a take-over.
+"""Two hubs as one beside one hub: latency, processor time, memory, a hub that is killed.
 
-PYTHONPATH=src python bench/cluster.py (nats-server; PostgreSQL at TALAIA_TEST_POSTGRESQL)
+    PYTHONPATH=src python bench/cluster.py          all of it, about twelve minutes
+    PYTHONPATH=src python bench/cluster.py way cpu  some: way, cpu, gateways, pages, kill
+    PYTHONPATH=src python bench/cluster.py gateways 50 100    with other numbers (or: pages 200)
+
+Needs nats-server, and PostgreSQL at TALAIA_TEST_POSTGRESQL. Two hubs are a lead and one that hands
+through; "far" is what comes in at the latter. Each figure stands beside its limit.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import os
-import re
 import secrets
-import shutil
 import signal
-import socket
 import sys
-import tempfile
 import time
-from contextlib import AsyncExitStack
-from pathlib import Path
+from collections.abc import Callable, Coroutine
+from typing import Any
 
-import httpx
 import numpy as np
-import psutil
-import sqlalchemy as sa
 import websockets
+from cluster_hubs import CHANNEL, EPOCH, SITE, Deployment, Gateway, Hub, deployment
+from figures import Figure, show_figures
+from link import crowd_at
+from stack import site_text
+from viewers import Pages, channels_of, role
 
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
-from talaia.wire.columns import Columns, pack_columns
 
-SERVER = os.environ.get("TALAIA_TEST_POSTGRESQL", "postgresql+pg8000://postgres@127.0.0.1/postgres")
-PERSON = {"name": "ada", "password": "three unrelated words"}
-SITE = """
-talaia: 1
-site: agv
-name: Bench
-connections: {shell: {kind: process, poll: 1, timeout: 2}}
-devices:
-  base:
-    name: Base
-    connection: shell
-    signals:
-      speed: {name: Speed, unit: m/s, source: {run: echo 1, pattern: '([0-9.]+)'}}
-"""
 TIMES = 300
-PAGES, HERTZ, SPAN_S = 40, 10, 8.0
-
-
-def free_port() -> int:
-    """Find a port of loopback."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-class Hub:
-    """One of the hubs, as a process."""
-
-    def __init__(self, folder: Path, url: str, nats: int, name: str) -> None:
-        """Prepare to start one."""
-        self.port, self.name = free_port(), name
-        words = ["-m", "talaia", "hub", "--plain", "--port", str(self.port), "--data", str(folder)]
-        self._words = [*words, "--cluster", f"nats://127.0.0.1:{nats}", "--cluster-name", name]
-        self._environment = {**os.environ, "TALAIA_DATABASE_URL": url, "PYTHONUNBUFFERED": "1"}
-        self.lines: list[str] = []
-
-    async def start(self, until: str) -> None:
-        """Start it, until it has printed something."""
-        self.process = await asyncio.create_subprocess_exec(
-            sys.executable, *self._words, env=self._environment, stdout=asyncio.subprocess.PIPE
-        )
-        self._reading = asyncio.create_task(self._read())
-        while not any(until in line for line in self.lines):
-            await asyncio.sleep(0.05)
-
-    async def _read(self) -> None:
-        assert self.process.stdout is not None
-        while line := (await self.process.stdout.readline()).decode():
-            self.lines.append(line)
-
-    @property
-    def origin(self) -> str:
-        """Its address."""
-        return f"http://127.0.0.1:{self.port}"
-
-    def cpu_s(self) -> float:
-        """Processor time so far (s)."""
-        times = psutil.Process(self.process.pid).cpu_times()
-        return times.user + times.system
-
-    async def is_ready(self) -> bool:
-        """Ask as a load balancer does."""
-        try:
-            async with httpx.AsyncClient() as client:
-                return (await client.get(f"{self.origin}/api/ready")).status_code == 200
-        except httpx.TransportError:
-            return False
-
-    async def dial(self, path: str, **headers: str) -> websockets.ClientConnection:
-        """Open a socket there."""
-        return await websockets.connect(
-            f"ws://127.0.0.1:{self.port}{path}",
-            # A gateway is no page, and names no origin.
-            additional_headers=headers | ({"Origin": self.origin} if "Cookie" in headers else {}),
-            compression=None, proxy=None, ping_interval=None, open_timeout=60,
-        )  # fmt: skip
-
-
-class Gateway:
-    """A link that answers beats, and notes when frames come."""
-
-    def __init__(self, connection: websockets.ClientConnection) -> None:
-        """Speak over ``connection``."""
-        self._connection = connection
-        self.came: dict[str, float] = {}
-        self.heard = asyncio.Event()
-        self._sequence = 0
-        self._reading = asyncio.create_task(self._read())
-        self.welcomed = asyncio.Event()
-
-    async def hello(self) -> None:
-        """Say which site it is, and wait until it is linked."""
-        boot = secrets.token_hex(4)
-        self._boot = boot
-        said = frames.Hello(site="agv", boot=boot, description=SITE, catalogue="c1")
-        await self._say(said)
-        await self.welcomed.wait()
-
-    async def sample(self, value: float) -> None:
-        """Send one sample."""
-        now = np.array([time.time_ns() // 1000], np.int64)
-        packed = pack_columns(Columns(np.zeros(1, np.uint16), now, np.array([value]), {}))
-        batch = frames.SampleBatch(
-            boot=self._boot, first=self._sequence, catalogue="c1", live=True, **packed._asdict()
-        )
-        self._sequence += 1
-        await self._say(batch)
-
-    async def _say(self, message: object) -> None:
-        await self._connection.send(frames.LINK_FROM_GATEWAY.encode(message))
-
-    async def _read(self) -> None:
-        with contextlib.suppress(websockets.ConnectionClosed):
-            await self._read_all()
-
-    async def _read_all(self) -> None:
-        async for data in self._connection:
-            message = frames.LINK_FROM_HUB.decode(data)
-            match message:
-                case frames.Beat():
-                    now = time.monotonic_ns() // 1000
-                    await self._say(
-                        frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now)
-                    )
-                case frames.Welcome():
-                    self.welcomed.set()
-                case frames.StopRequest():
-                    self.came[message.id] = time.perf_counter()
-                    self.heard.set()
+# Gateways whose cost is measured, each of so many signals at 1 Hz.
+COUNTS, SIGNALS = (50, 100, 200, 400), 50
+PAGES, HERTZ = 500, 10
+WATCHED = 20
+# What a hub is asked to bear at the most, of a core.
+_BEARS = 0.7
 
 
 async def sample_to_page(gateway: Gateway, page: websockets.ClientConnection) -> np.ndarray:
@@ -175,148 +56,255 @@ async def sample_to_page(gateway: Gateway, page: websockets.ClientConnection) ->
     return np.array(found)
 
 
-async def page_to_gateway(gateway: Gateway, page: websockets.ClientConnection) -> np.ndarray:
+async def stop_to_gateway(gateway: Gateway, page: websockets.ClientConnection) -> np.ndarray:
     """Measure STOP from a page's socket to a gateway's (ms)."""
     found = []
     for _ in range(TIMES):
         word = secrets.token_hex(4)
         began = time.perf_counter()
-        await page.send(
-            browser.FROM_BROWSER.encode(browser.PageStop(site="agv", device="base", id=word))
-        )
-        while word not in gateway.came:
-            gateway.heard.clear()
-            await gateway.heard.wait()
-        found.append((gateway.came[word] - began) * 1000)
+        await _say(page, browser.PageStop(site=SITE, device="base", id=word))
+        found.append((await gateway.until_came(word) - began) * 1000)
         await asyncio.sleep(0.01)
     return np.array(found)
 
 
-async def open_page(hub: Hub, cookie: str) -> websockets.ClientConnection:
-    """Open a page's socket that is subscribed."""
-    page = await hub.dial("/ws", Cookie=cookie)
-    asked = browser.Subscribe(sub=1, site="agv", channels=["base/speed"], every_ms=0)
-    await page.send(browser.FROM_BROWSER.encode(asked))
-    return page
-
-
-async def serve_pages(hubs: list[Hub], at: Hub, gateway: Gateway, cookie: str) -> list[float]:
-    """Give what each hub takes (s of a core) for `PAGES` pages at one of them, a second."""
-    pages = [await open_page(at, cookie) for _ in range(PAGES)]
-    heard = 0
-
-    async def read(page: websockets.ClientConnection) -> None:
-        nonlocal heard
-        async for data in page:
-            heard += isinstance(browser.TO_BROWSER.decode(data), browser.Values)
-
-    reading = [asyncio.create_task(read(page)) for page in pages]
-    before, began, sent = [hub.cpu_s() for hub in hubs], time.monotonic(), 0
-    while time.monotonic() - began < SPAN_S:
-        await gateway.sample(float(sent))
-        sent += 1
-        await asyncio.sleep(1 / HERTZ)
-    passed = time.monotonic() - began
-    after = [hub.cpu_s() for hub in hubs]
-    for task in reading:
-        task.cancel()
-    for page in pages:
-        await page.close()
-    print(f"  {heard} of about {sent * PAGES} frames came")
-    return [(end - start) / passed for start, end in zip(before, after, strict=True)]
-
-
-def show(what: str, near: np.ndarray, far: np.ndarray) -> None:
-    """Print both beside each other."""
-    for share in (50, 99):
-        one, two = np.percentile(near, share), np.percentile(far, share)
-        said = f"{one:.2f} ms at the lead, {two:.2f} through another (+{two - one:.2f})"
-        print(f"{what} p{share}: {said}")
-
-
-async def main() -> None:
-    """Measure everything, and print it."""
-    load_site(SITE)
-    async with AsyncExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        engine = sa.create_engine(SERVER, isolation_level="AUTOCOMMIT")
-        name = f"talaia_bench_{secrets.token_hex(4)}"
-        with engine.connect() as connection:
-            connection.exec_driver_sql(f"CREATE DATABASE {name}")
-        url = sa.make_url(SERVER).set(
-            database=name, drivername="postgresql", query={"sslmode": "disable"}
-        ).render_as_string(hide_password=False)  # fmt: skip
-        port = free_port()
-        program = shutil.which("nats-server", path=f"{os.environ['PATH']}:/usr/sbin")
-        assert program is not None, "nats-server is missing"
-        quiet = asyncio.subprocess.DEVNULL
-        nats = await asyncio.create_subprocess_exec(
-            program, "-a", "127.0.0.1", "-p", str(port), stdout=quiet, stderr=quiet
+async def drive_to_gateway(gateway: Gateway, page: websockets.ClientConnection) -> np.ndarray:
+    """Measure a driving frame from a page's socket to a gateway's (ms)."""
+    found, gateway.came = [], {}
+    await _say(page, _lease(frames.LeaseOp.TAKE))
+    while True:
+        told = browser.TO_BROWSER.decode(await page.recv())
+        if isinstance(told, browser.LeaseUpdate) and told.yours:
+            break
+    for at in range(TIMES):
+        speed = 0.01 + at * 0.001
+        began = time.perf_counter()
+        await _say(
+            page,
+            browser.PageDrive(
+                site=SITE, device="base", epoch=EPOCH, seq=at + 1, tick=1, linear=speed, angular=0.0
+            ),
         )
-        hubs = [Hub(folder / word, url, port, word) for word in ("east", "west")]
-        key = secrets.token_bytes(32)
-        try:
-            for hub in hubs:
-                (folder / hub.name).mkdir(mode=0o700)
-                (folder / hub.name / "seal.key").write_bytes(key)
-                await hub.start("leads" if hub is hubs[0] else "is ready")
-            await measure(hubs)
-        finally:
-            for hub in hubs:
-                if hub.process.returncode is None:
-                    hub.process.terminate()
-                await hub.process.wait()
-            nats.terminate()
-            await nats.wait()
-            with engine.connect() as connection:
-                connection.exec_driver_sql(f"DROP DATABASE {name} WITH (FORCE)")
-            engine.dispose()
+        found.append((await gateway.until_came(f"{speed:.4f}") - began) * 1000)
+        if at % 20 == 19:
+            await _say(page, _lease(frames.LeaseOp.RENEW))
+        await asyncio.sleep(0.01)
+    await _say(page, _lease(frames.LeaseOp.FREE))
+    await asyncio.sleep(0.3)
+    return np.array(found)
 
 
-async def measure(hubs: list[Hub]) -> None:
-    """Measure with two hubs, of which the first leads."""
-    lead, other = hubs
-    while not any("/setup#" in line for line in lead.lines):
-        await asyncio.sleep(0.05)
-    token = re.search(r"/setup#(\S+)", "".join(lead.lines))
-    assert token is not None
-    async with httpx.AsyncClient(
-        base_url=lead.origin, headers={"Origin": lead.origin}, timeout=60
-    ) as client:
-        (await client.post("/api/setup", json={**PERSON, "token": token[1]})).raise_for_status()
-        code = (await client.post("/api/gateways/codes", json={"site": "agv"})).json()["code"]
-        key = (await client.post("/api/enrol", json={"code": code, "name": "bench"})).json()["key"]
-        cookie = "; ".join(f"{word}={value}" for word, value in client.cookies.items())
-    while not await other.is_ready():
-        await asyncio.sleep(0.1)
-    gateway = Gateway(await lead.dial("/gateway/link", Authorization=f"Bearer {key}"))
-    await gateway.hello()
-    near, far = await open_page(lead, cookie), await open_page(other, cookie)
-    show("sample to page", await sample_to_page(gateway, near), await sample_to_page(gateway, far))
-    show(
-        "STOP to gateway", await page_to_gateway(gateway, near), await page_to_gateway(gateway, far)
-    )
-    await near.close()
-    await far.close()
-    for at, words in ((lead, "at the lead"), (other, "at the other")):
-        used = await serve_pages(hubs, at, gateway, cookie)
-        print(
-            f"{PAGES} pages at {HERTZ} Hz {words}: {used[0] * 100:.1f} % of a core for the lead,"
-            f" {used[1] * 100:.1f} % for the other"
-        )
-    began = time.perf_counter()
-    lead.process.send_signal(signal.SIGKILL)
-    while not await other.is_ready() or not any("leads" in line for line in other.lines):
-        await asyncio.sleep(0.02)
-    ready = time.perf_counter() - began
-    again = Gateway(await other.dial("/gateway/link", Authorization=f"Bearer {key}"))
-    await again.hello()
-    linked = time.perf_counter() - began
-    print(
-        f"the lead is killed: another leads after {ready:.2f} s,"
-        f" a gateway is linked at {linked:.2f} s"
-    )
+def _lease(op: frames.LeaseOp) -> browser.PageLease:
+    return browser.PageLease(site=SITE, device="base", op=op)
+
+
+async def _say(page: websockets.ClientConnection, message: object) -> None:
+    await page.send(browser.FROM_BROWSER.encode(message))  # type: ignore[arg-type]
+
+
+async def way() -> list[Figure]:
+    """Samples up, driving and STOP down, at the lead and through the other hub, by turns."""
+    figures = []
+    async with deployment(2) as here:
+        lead, other = here.hubs
+        gateway = await here.gateway(lead)
+        for what, measure, middle in (
+            ("sample → page", sample_to_page, 2), ("driving frame", drive_to_gateway, math.inf),
+            ("STOP", stop_to_gateway, math.inf),
+        ):  # fmt: skip
+            took: dict[Hub, list[np.ndarray]] = {lead: [], other: []}
+            for _ in range(2):
+                for hub in here.hubs:
+                    page = await here.page(hub)
+                    took[hub].append(await measure(gateway, page))
+                    await page.close()
+            near, far = (np.concatenate(took[hub]) for hub in here.hubs)
+            tail = 10 if measure is sample_to_page else 2
+            for share, most in ((50, middle), (99, tail)):
+                one, two = (float(np.percentile(ages, share)) for ages in (near, far))
+                figures += [
+                    Figure(f"{what}, p{share} at the lead", one, math.inf, "ms"),
+                    Figure(f"{what}, p{share} far: more than that", two - one, most, "ms"),
+                ]
+    return figures
+
+
+@contextlib.asynccontextmanager
+async def _looking(hub: Hub):  # noqa: ANN202 - `Pages`
+    async with role("look", hub.port, "-", "bytes") as process:
+        yield Pages(process)
+
+
+async def cpu() -> list[Figure]:
+    """Twenty sites at a lead beside twenty at a hub that is alone, at the same time."""
+    async with contextlib.AsyncExitStack() as stack:
+        alone = await stack.enter_async_context(deployment(1))
+        two = await stack.enter_async_context(deployment(2))
+        for here in (alone, two):
+            many = await stack.enter_async_context(
+                crowd_at(here.settings, [here.lead.port], "-", WATCHED, SIGNALS)
+            )
+            await many.all_back(120)
+            await many.all_kept(60)
+        await asyncio.sleep(3)
+        apart, among = await asyncio.gather(alone.cpu_over(30), two.cpu_over(30))
+        figures = [
+            Figure("hub that is alone, 20 sites, nobody looks", 100 * apart[0], math.inf,
+                   "% of a core"),
+            Figure("lead of two, the same, beside it", among[0] / apart[0], 1.03, "times"),
+            Figure("the other of the two", 100 * among[1], math.inf, "% of a core"),
+        ]  # fmt: skip
+        for here, hub in ((alone, alone.lead), (two, two.hubs[1])):
+            pages = await stack.enter_async_context(_looking(hub))
+            for number in range(WATCHED):
+                await pages.open_page(here.sessions[0], f"crowd{number}", channels_of(SIGNALS), 100)
+        await asyncio.sleep(3)
+        apart, among = await asyncio.gather(alone.cpu_over(30), two.cpu_over(30))
+        return [
+            *figures,
+            Figure("hub that is alone, a page looks at each site", 100 * apart[0], math.inf,
+                   "% of a core"),
+            Figure("lead of two, pages at the other, beside it", among[0] / apart[0], 1.15,
+                   "times"),
+            Figure("the other of the two", 100 * among[1], math.inf, "% of a core"),
+        ]  # fmt: skip
+
+
+async def gateways(counts: tuple[int, ...] = COUNTS) -> list[Figure]:
+    """What gateways of 50 signals at 1 Hz cost one hub, and two of which each has half."""
+    figures: list[Figure] = []
+    for hubs in (1, 2):
+        costs = []
+        for count in counts:
+            async with deployment(hubs) as here:
+                await asyncio.sleep(2)
+                memory = np.array([hub.program.memory_info().rss for hub in here.hubs])
+                idle = float((await here.cpu_over(6)).sum())
+                before = sum(here.cpu_s())
+                ports = [hub.port for hub in here.hubs]
+                async with crowd_at(here.settings, ports, "-", count, SIGNALS) as many:
+                    joined_s = await many.all_back(600) + await many.all_kept(120)
+                    join_s = sum(here.cpu_s()) - before
+                    sent = await many.samples_sent()
+                    await asyncio.sleep(4)
+                    used = await here.cpu_over(20)
+                    grown = np.array([hub.program.memory_info().rss for hub in here.hubs]) - memory
+                running = (float(used.sum()) - idle) / count
+                # Those that are there already send while the others still join.
+                of_samples = running / SIGNALS * sent
+                costs.append((running, (join_s - idle * joined_s - of_samples) / count))
+                named = f"{count} gateways, {hubs} hub{'s' if hubs > 1 else ''}"
+                figures += [
+                    Figure(f"{named}: joined after", joined_s, math.inf, "s"),
+                    Figure("CPU for each to join, without its samples", 1e3 * costs[-1][1],
+                           math.inf, "ms"),
+                    Figure("CPU for each while they send", 1e3 * running, math.inf, "ms/s"),
+                    Figure("the lead, of a core", 100 * used[0], math.inf, "%"),
+                    Figure("memory of all hubs for each", grown.sum() / count / 1024, math.inf,
+                           "KiB"),
+                ]  # fmt: skip
+                lead = float(used[0]) / count
+        for what, at in (("while they send", 0), ("to join", 1)):
+            some = [cost[at] for cost in costs]
+            figures.append(
+                Figure(f"{what}, dearest beside cheapest of {counts}", max(some) / min(some), 1.1,
+                       "times")
+            )  # fmt: skip
+        figures.append(
+            Figure("deployments for 10 000 robots, leads at 0.7 of a core",
+                   math.ceil(10_000 * lead / _BEARS), math.inf, "")
+        )  # fmt: skip
+    return figures
+
+
+async def _serve_pages(here: Deployment, shares: list[int]) -> np.ndarray:
+    """Give what each hub takes (of a core) while so many pages look at each at `HERTZ`."""
+    gateway = await here.gateway(here.lead)
+
+    async def send() -> None:
+        at, due = 0, time.monotonic()
+        while True:
+            await gateway.sample(float(at))
+            at, due = at + 1, due + 1 / HERTZ
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+
+    sending = asyncio.create_task(send())
+    try:
+        async with contextlib.AsyncExitStack() as stack:
+            for hub, share in zip(here.hubs, shares, strict=True):
+                pages = await stack.enter_async_context(_looking(hub))
+                for number in range(share):
+                    session = here.sessions[number * len(here.sessions) // share]
+                    await pages.open_page(session, SITE, [CHANNEL], 0)
+            await asyncio.sleep(3)
+            return await here.cpu_over(15)
+    finally:
+        sending.cancel()
+
+
+async def pages_(count: int = PAGES) -> list[Figure]:
+    """Pages that look at one signal at 10 Hz: at one hub, and half of them at each of two."""
+    async with deployment(1) as here:
+        (one,) = await _serve_pages(here, [count])
+    async with deployment(2) as here:
+        lead, other = await _serve_pages(here, [count // 2, count // 2])
+    return [
+        Figure(f"{count} pages at {HERTZ} Hz at a hub that is alone", 100 * one, math.inf,
+               "% of a core"),
+        Figure("half of them at each of two: the lead", 100 * lead, math.inf, "% of a core"),
+        Figure("the other", 100 * other, math.inf, "% of a core"),
+        Figure("both together beside the one", (lead + other) / one, 1.2, "times"),
+    ]  # fmt: skip
+
+
+async def kill() -> list[Figure]:
+    """The lead of two is killed, with 200 gateways at both."""
+    async with deployment(2) as here:
+        lead, other = here.hubs
+        ports = [hub.port for hub in here.hubs]
+        async with crowd_at(here.settings, ports, "-", 200, SIGNALS) as many:
+            await many.all_back(300)
+            await many.all_kept(60)
+            await asyncio.sleep(5)
+            began = time.perf_counter()
+            await many.expect_loss()
+            lead.process.send_signal(signal.SIGKILL)
+            while not any("leads" in line for line in other.lines):
+                await asyncio.sleep(0.02)
+            leads_s = time.perf_counter() - began
+            back = np.array(await many.all_again(120))
+            await many.all_back(60)
+            await many.all_kept(60)
+    return [
+        Figure("the lead is killed: the other leads after", leads_s, math.inf, "s"),
+        Figure("of 200 gateways, back, p50", float(np.percentile(back, 50)), 3, "s"),
+        Figure("the same, p99", float(np.percentile(back, 99)), 5, "s"),
+    ]
+
+
+PARTS: dict[str, Callable[..., Coroutine[Any, Any, list[Figure]]]] = {
+    "way": way,
+    "cpu": cpu,
+    "gateways": gateways,
+    "pages": pages_,
+    "kill": kill,
+}
+
+
+def main() -> int:
+    """Measure the parts asked for, and print them."""
+    load_site(site_text(1))
+    over = 0
+    words = sys.argv[1:]
+    counts = tuple(int(word) for word in words if word.isdecimal())
+    for name in [word for word in words if not word.isdecimal()] or PARTS:
+        load = " ".join(f"{one:.1f}" for one in os.getloadavg())
+        print(f"── {name}: {(PARTS[name].__doc__ or '').strip()} (load {load})", flush=True)
+        chosen = {"gateways": (counts,), "pages": counts[:1]}.get(name, ()) if counts else ()
+        part: Coroutine[Any, Any, list[Figure]] = PARTS[name](*chosen)
+        over += show_figures(asyncio.run(part))
+    return 1 if over else 0
 
 
 if __name__ == "__main__":
-    asyncio.run(main())
+    raise SystemExit(main())

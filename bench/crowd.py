@@ -1,15 +1,20 @@
 """Many gateways in a process of their own, so that only the hub is held up by them.
 
-    crowd.py PORT CERTIFICATE SIGNALS    reads one key a line until an empty one, then words: "cut"
+    crowd.py PORTS CERTIFICATE SIGNALS    reads one key a line until an empty one, then words
 
-Each has so many signals and sends a sample of each once a second. Says "linked" on a line whenever
-all have their welcome, and "kept" after that, once a batch of each was acknowledged.
+PORTS are of one hub, or with commas between of several, which each dials in turn; CERTIFICATE is
+"-" for hubs without TLS. Each has so many signals and sends a sample of each once a second. Says
+"linked" on a line whenever all have their welcome, and "kept" after that, once a batch of each was
+acknowledged. Words are "sent", which is answered by how many samples were sent so far; "cut", which
+ends all links; and "lost", behind which a hub is killed: once each is linked again, a list of how
+long that took each (s, JSON) comes before "linked".
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import os
 import random
 import ssl
@@ -40,9 +45,15 @@ def describe(site: str, signals: int) -> str:
 class Crowd:
     """Many gateways that say hello, send, answer beats, and dial again as the real one does."""
 
-    def __init__(self, port: int, trust: ssl.SSLContext, keys: list[str], signals: int) -> None:
+    def __init__(
+        self, ports: list[int], trust: ssl.SSLContext | None, keys: list[str], signals: int
+    ) -> None:
         """Take a key for each; site ``crowdN`` for number N."""
-        self._port, self._trust, self._keys, self._signals = port, trust, keys, signals
+        self._ports, self._trust, self._keys, self._signals = ports, trust, keys, signals
+        # By number: how often it has dialled, and when it was welcomed last (monotonic, s).
+        self._dials = [*range(len(keys))]
+        self._welcomed = [0.0] * len(keys)
+        self.sent = 0
         self._sockets: dict[int, websockets.ClientConnection] = {}
         self._next = [0] * len(keys)
         self._acked = [0] * len(keys)
@@ -58,6 +69,13 @@ class Crowd:
         """Wait until all are linked."""
         while len(self._sockets) < len(self._keys):
             await asyncio.sleep(0.05)
+
+    async def all_again(self) -> list[float]:
+        """Wait until each was linked once more from now on; give after how long (s)."""
+        began = time.monotonic()
+        while min(self._welcomed) < began:
+            await asyncio.sleep(0.05)
+        return [at - began for at in self._welcomed]
 
     async def all_kept(self) -> None:
         """Wait until of each a batch was acknowledged that was sent from now on."""
@@ -75,9 +93,11 @@ class Crowd:
             await asyncio.sleep(backoff.after(time.monotonic() - began))
 
     async def _link(self, number: int) -> None:
-        site = f"crowd{number}"
+        site, scheme = f"crowd{number}", "wss" if self._trust else "ws"
+        port = self._ports[self._dials[number] % len(self._ports)]
+        self._dials[number] += 1
         async with websockets.connect(
-            f"wss://localhost:{self._port}/gateway/link", ssl=self._trust, compression=None,
+            f"{scheme}://localhost:{port}/gateway/link", ssl=self._trust, compression=None,
             ping_interval=None, proxy=None,
             additional_headers={"Authorization": f"Bearer {self._keys[number]}"},
         ) as socket:  # fmt: skip
@@ -90,6 +110,7 @@ class Crowd:
                     message = frames.LINK_FROM_HUB.decode(data)
                     if isinstance(message, frames.Welcome):
                         self._sockets[number] = socket
+                        self._welcomed[number] = time.monotonic()
                         # What was not acknowledged is taken for sent again: it is the same work.
                         self._next[number] = self._acked[number] = message.acked
                         sending = asyncio.create_task(self._send(number, socket))
@@ -122,6 +143,7 @@ class Crowd:
                         **pack_columns(columns)._asdict(),
                     )  # fmt: skip
                     self._next[number] += count
+                    self.sent += count
                     await socket.send(frames.LINK_FROM_GATEWAY.encode(batch))
                 await asyncio.sleep(1.0)
 
@@ -130,8 +152,10 @@ async def main() -> None:
     """Link all, and cut them when told."""
     # They stand for machines of their own, and must not take this one from hub and gateway.
     os.nice(10)
-    trust = ssl.create_default_context(cafile=sys.argv[2])
-    trust.check_hostname = False
+    trust = None
+    if sys.argv[2] != "-":
+        trust = ssl.create_default_context(cafile=sys.argv[2])
+        trust.check_hostname = False
     words = asyncio.StreamReader()
     await asyncio.get_running_loop().connect_read_pipe(
         lambda: asyncio.StreamReaderProtocol(words), sys.stdin
@@ -139,15 +163,21 @@ async def main() -> None:
     keys = []
     while key := (await words.readline()).decode().strip():
         keys.append(key)
-    many = Crowd(int(sys.argv[1]), trust, keys, int(sys.argv[3]))
+    ports = [int(port) for port in sys.argv[1].split(",")]
+    many = Crowd(ports, trust, keys, int(sys.argv[3]))
     while True:
         await many.all_back()
         print("linked", flush=True)
         await many.all_kept()
         print("kept", flush=True)
-        if not await words.readline():
+        while (word := (await words.readline()).decode().strip()) == "sent":
+            print(many.sent, flush=True)
+        if not word:
             return
-        many.cut()
+        if word == "lost":
+            print(json.dumps(await many.all_again()), flush=True)
+        else:
+            many.cut()
 
 
 if __name__ == "__main__":

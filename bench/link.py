@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import random
 import sys
 import time
@@ -116,6 +117,28 @@ class Crowd:
         """End all links at one blow."""
         await self._say("cut\n")
 
+    async def samples_sent(self) -> int:
+        """Ask, after `all_kept`, how many samples were sent so far."""
+        await self._say("sent\n")
+        return int(await self._read_line())
+
+    async def expect_loss(self) -> None:
+        """Say that a hub is killed now."""
+        await self._say("lost\n")
+
+    async def all_again(self, within: float) -> list[float]:
+        """Wait, after `expect_loss`, until each is linked anew; give after how long (s)."""
+        async with asyncio.timeout(within):
+            found: list[float] = json.loads(await self._read_line())
+        return found
+
+    async def _read_line(self) -> bytes:
+        assert self._process.stdout is not None
+        said = await self._process.stdout.readline()
+        if not said:
+            raise SystemExit("the crowd of gateways has ended")
+        return said
+
     async def _say(self, words: str) -> None:
         assert self._process.stdin is not None
         self._process.stdin.write(words.encode())
@@ -130,26 +153,34 @@ class Crowd:
         return await self._wait_for(b"kept\n", within)
 
     async def _wait_for(self, words: bytes, within: float) -> float:
-        assert self._process.stdout is not None
         began = time.monotonic()
         async with asyncio.timeout(within):
-            while (said := await self._process.stdout.readline()) != words:
-                if not said:
-                    raise SystemExit("the crowd of gateways has ended")
+            while await self._read_line() != words:
+                pass
         return time.monotonic() - began
 
 
 @contextlib.asynccontextmanager
 async def crowd(here: Stack, count: int, signals: int = 0) -> AsyncIterator[Crowd]:
     """Enrol so many gateways and let them dial; each has so many signals at 1 Hz."""
-    database = Database(Settings(data=here.folder).url)
+    certificate = str(here.folder / "tls" / "cert.pem")
+    async with crowd_at(Settings(data=here.folder), [here.port], certificate, count, signals) as it:
+        yield it
+
+
+@contextlib.asynccontextmanager
+async def crowd_at(
+    settings: Settings, ports: list[int], certificate: str, count: int, signals: int
+) -> AsyncIterator[Crowd]:
+    """Enrol so many gateways, and let them dial hubs at ``ports``; see `crowd`."""
+    database = Database(settings.url)
     registry = SiteRegistry(database, SystemClock())
-    keys = [await registry.new_key(f"crowd{each}") for each in range(count)]
+    keys = [await registry.new_key(f"crowd{number}") for number in range(count)]
     await database.close()
     process = await asyncio.create_subprocess_exec(
-        sys.executable, str(HERE / "crowd.py"), str(here.port),
-        str(here.folder / "tls" / "cert.pem"), str(signals),
-        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+        sys.executable, str(HERE / "crowd.py"), ",".join(str(port) for port in ports),
+        certificate, str(signals),
+        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, limit=2**20,
     )  # fmt: skip
     try:
         assert process.stdin is not None
@@ -166,8 +197,9 @@ class JoinCost(NamedTuple):
     Attributes:
         joined_s: until all were linked the first time, and ``kept_s`` until of each a batch was
             acknowledged after that (s).
-        join_ms: CPU of the hub for each of them, until then (ms); ``again_ms``: after all had lost
-            the link, until they were linked again.
+        join_ms: CPU of the hub for each of them, until then (ms), without that for the samples of
+            those that are there already (``with_samples_ms``: with them).
+        again_ms: the same after all had lost the link, until they were linked again.
         back_s: until all were back (s).
         running: of a core, while they send.
         row_us: CPU of the hub for each sample meanwhile (µs).
@@ -178,6 +210,7 @@ class JoinCost(NamedTuple):
     joined_s: float
     kept_s: float
     join_ms: float
+    with_samples_ms: float
     again_ms: float
     back_s: float
     running: float
@@ -193,11 +226,15 @@ async def join(here: Stack, count: int, signals: int, seconds: float) -> JoinCos
         return sum(hub.cpu_times()[:2])
 
     await asyncio.sleep(2)
-    memory, before = hub.memory_info().rss, used_s()
+    before, began = used_s(), time.monotonic()
+    await asyncio.sleep(8)
+    alone = (used_s() - before) / (time.monotonic() - began)
+    memory, before, began = hub.memory_info().rss, used_s(), time.monotonic()
     async with crowd(here, count, signals) as many:
         joined_s = await many.all_back(300)
         kept_s = await many.all_kept(300)
-        join_s = used_s() - before
+        join_s = used_s() - before - alone * (time.monotonic() - began)
+        sent = await many.samples_sent()
         await asyncio.sleep(5)
         before, began = used_s(), time.monotonic()
         await asyncio.sleep(seconds)
@@ -207,9 +244,10 @@ async def join(here: Stack, count: int, signals: int, seconds: float) -> JoinCos
         await many.cut()
         back_s = await many.all_back(120)
         again_s = used_s() - before - running * back_s
+    row_s = (running - alone) / (count * signals) if signals else 0.0
     return JoinCost(
-        joined_s, kept_s, 1e3 * join_s / count, 1e3 * again_s / count, back_s, running,
-        1e6 * running / (count * signals), grown / count / 1024,
+        joined_s, kept_s, 1e3 * (join_s - row_s * sent) / count, 1e3 * join_s / count,
+        1e3 * again_s / count, back_s, running, 1e6 * row_s, grown / count / 1024,
     )  # fmt: skip
 
 

@@ -2,10 +2,11 @@
 
     make bench                   all of it, about four minutes
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
-                                 demo, history, history-page, signin, press, many, spool, storm,
+                                 demo, history, history-page, history-export, history-servers,
+                                 signin, press, many, spool, storm,
                                  join, load-description, camera, camera-slow, camera-crowd,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
-                                 board, scene, fleet, past
+                                 board, scene, scene-cloud, fleet, past, viewers
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -22,7 +23,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import boards
 import cameras
@@ -37,6 +38,8 @@ import scenes
 import signin
 import stack
 import taps
+import viewers
+from figures import Figure, percentiles, show_figures
 
 TOPICS, RATE = 20, 100.0
 PEOPLE = 50
@@ -44,25 +47,6 @@ if TYPE_CHECKING:
     from talaia.hub.settings import Settings
 
 ROOT = Path(__file__).resolve().parent.parent
-
-
-class Figure(NamedTuple):
-    """One measured number, its limit and its unit."""
-
-    what: str
-    measured: float
-    limit: float
-    unit: str
-
-
-def percentiles(what: str, ages: np.ndarray, p50: float, p99: float) -> list[Figure]:
-    """Give the two figures of a distribution of ages in ms."""
-    if not ages.size:
-        raise SystemExit(f"{what}: nothing arrived")
-    return [
-        Figure(f"{what}, p50 of {ages.size}", float(np.percentile(ages, 50)), p50, "ms"),
-        Figure(f"{what}, p99", float(np.percentile(ages, 99)), p99, "ms"),
-    ]
 
 
 async def load() -> list[Figure]:
@@ -78,8 +62,7 @@ async def load() -> list[Figure]:
             ("hub, 20 × 100 Hz, no browser", await alone, 25.0),
         ):
             figures.append(Figure(f"CPU of the {name}", used, limit, "% of a core"))
-        ages = await clients.listen(here, session, TOPICS, 0, 15)
-        figures += percentiles("ROS → WebSocket client of the hub", ages, 15, 30)
+        figures += await watched(here, session, TOPICS)
         many = [
             asyncio.create_task(clients.listen(here, session, TOPICS, 50, 20)) for _ in range(10)
         ]
@@ -88,6 +71,20 @@ async def load() -> list[Figure]:
         figures.append(Figure("CPU of the hub, ten browsers", used, 25.0, "% of a core"))
         await asyncio.gather(*many)
     return figures
+
+
+async def watched(here: stack.Stack, session: str, topics: int) -> list[Figure]:
+    """How old samples come to one who sees each of them, and what that costs, against nobody."""
+    alone = np.array(await asyncio.gather(*(stack.cpu_percent(part, 10) for part in here.parts)))
+    looking = asyncio.create_task(clients.listen(here, session, topics, 0, 17))
+    await asyncio.sleep(2)
+    used = np.array(await asyncio.gather(*(stack.cpu_percent(part, 14) for part in here.parts)))
+    ages = await looking
+    return [
+        *percentiles("ROS → WebSocket client of the hub", ages, 4, 10),
+        Figure("CPU of the gateway while it looks, of that without", used[0] / alone[0], 1.3, "×"),
+        Figure("CPU of the hub while it looks", used[1], 25.0, "% of a core"),
+    ]
 
 
 async def idle() -> list[Figure]:
@@ -171,8 +168,8 @@ async def many() -> list[Figure]:
     async with stack.running(100) as here, stack.publisher(here, 100, RATE):
         session = await clients.cookie(here)
         await asyncio.sleep(3)
-        ages = await clients.listen(here, session, 100, 0, 10)
-    return percentiles("ROS → WebSocket client, 10 000 samples/s", ages, 60, 60)
+        found = await watched(here, session, 100)
+    return [each._replace(what=f"10 000 samples/s: {each.what}") for each in found]
 
 
 async def spool() -> list[Figure]:
@@ -218,6 +215,8 @@ async def join() -> list[Figure]:
                    30 if last else math.inf, "s"),
             Figure("a batch of each acknowledged after another", found.kept_s, math.inf, "s"),
             Figure("CPU of the hub for each to join", found.join_ms, math.inf, "ms"),
+            Figure("the same with samples of those that are there", found.with_samples_ms,
+                   math.inf, "ms"),
             Figure("CPU for each to come again, known", found.again_ms, 10, "ms"),
             Figure("all back after a blow", found.back_s, 20 if last else math.inf, "s"),
             Figure("hub while they send", 100 * found.running, 70 if last else math.inf,
@@ -231,6 +230,29 @@ async def join() -> list[Figure]:
                max(costs[each].join_ms for each in costs if each >= 50)
                / min(costs[each].join_ms for each in costs if each >= 50), 1.1, "times"),
     ]  # fmt: skip
+
+
+async def viewers_() -> list[Figure]:
+    """50 to 500 pages that look at ten signals at 10 Hz, beside bare servers of such frames."""
+    figures = []
+    for tls in (False, True):
+        found = await viewers.measure([50, 200, 500], tls=tls)
+        for at, ours in enumerate(found["hub"]):
+            name = f"{ours.pages} pages{', TLS' if tls else ''}"
+            figures += [
+                Figure(f"{name}: CPU of the hub for a frame and page", ours.frame_us,
+                       math.inf if tls else 20, "µs"),
+                *(
+                    Figure(f"{name}: {what}", found[how][at].frame_us, math.inf, "µs")
+                    for how, what in (("broadcast", "the same of broadcast of websockets"),
+                                      ("written", "the same of ready bytes to each socket"))
+                ),
+                Figure(f"{name}: age of the newest sample, p50", ours.p50, math.inf, "ms"),
+                Figure(f"{name}: the same, p99", ours.p99, 60, "ms"),
+                Figure(f"{name}: p99 of broadcast's own frames", found["broadcast"][at].p99,
+                       math.inf, "ms"),
+            ]  # fmt: skip
+    return figures
 
 
 async def history() -> list[Figure]:
@@ -247,6 +269,20 @@ async def history_large() -> list[Figure]:
         subprocess.run, [sys.executable, *words, "--servers", "0"], check=False
     )
     return [Figure("limits of large stores that are missed", done.returncode, 0, "limits")]
+
+
+async def history_export() -> list[Figure]:
+    """Files of the history beside DuckDB's of the same samples; prints its own table."""
+    script = str(ROOT / "bench" / "history_export.py")
+    done = await asyncio.to_thread(subprocess.run, [sys.executable, script], check=False)
+    return [Figure("limits of files that are missed", done.returncode, 0, "limits")]
+
+
+async def history_servers() -> list[Figure]:
+    """Histories on one database server and on two, and a hub with 10 000 signals; its own table."""
+    script = str(ROOT / "bench" / "history_servers.py")
+    await asyncio.to_thread(subprocess.run, [sys.executable, script], check=True)
+    return []
 
 
 async def history_page() -> list[Figure]:
@@ -588,55 +624,70 @@ async def past_() -> list[Figure]:
 
 
 async def scene() -> list[Figure]:
-    """A robot of 30 links and a scan in space, then with 100 000 points, beside a bare page."""
+    """A robot of 30 links and a scan in space, beside a bare page."""
     words = ("--links", str(scenes.LINKS), "--scan", "10")
     async with stack.running(0, tapped=True) as here, scenes.robot(here, *words):
-        alone = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
-        async with scenes.robot(here, "--cloud", "10"):
-            whole = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
-            looking, elsewhere = await scenes.heard_elsewhere(here)
-    figures = []
-    for what, (ours, bare) in (("scan and links", alone), ("with the cloud", whole)):
-        ratio = float(np.median([a.frames / b.frames for a, b in zip(ours, bare, strict=True)]))
-        ages = [np.concatenate([one.scan_ms for one in them]) for them in (ours, bare)]
-        own, theirs = (float(np.median(each)) for each in ages)
-        limit = 60 if ours is alone[0] else theirs + 30
-        figures += [
-            Figure(f"{what}: bare page's frames beside ours, of the median round", 1 / ratio,
-                   1 / 0.9, "times"),
-            Figure(f"{what}: frames", -float(np.median([one.frames for one in ours])), math.inf,
-                   "Hz (-)"),
-            Figure(f"{what}: frames of the bare page",
-                   -float(np.median([one.frames for one in bare])), math.inf, "Hz (-)"),
-            Figure(f"{what}: scan published → painted, p50 of {ages[0].size}", own, limit, "ms"),
-            Figure(f"{what}: the same of the bare page, p50 of {ages[1].size}", theirs, math.inf,
-                   "ms"),
-            Figure(f"{what}: processor time of a frame beside the bare page's",
-                   float(np.median([a.frame_ms / b.frame_ms
-                                    for a, b in zip(ours, bare, strict=True)])), 1 / 0.9, "times"),
-            Figure(f"{what}: the page's process",
-                   float(np.median([one.page for one in ours])), math.inf, "% of a core"),
-            Figure(f"{what}: that of the bare page",
-                   float(np.median([one.page for one in bare])), math.inf, "% of a core"),
-            Figure(f"{what}: clouds painted, ours and bare",
-                   float(np.median([one.clouds for one in ours])),
-                   math.inf, f"Hz ({np.median([one.clouds for one in bare]):.1f})"),
-        ]  # fmt: skip
+        ours, bare = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
+    return scene_figures("scan and links", ours, bare, limit_ms=60)
+
+
+async def scene_cloud() -> list[Figure]:
+    """The same with 100 000 points, and what is heard of the robot for another page."""
+    words = ("--links", str(scenes.LINKS), "--scan", "10")
+    async with (
+        stack.running(0, tapped=True) as here,
+        scenes.robot(here, *words),
+        scenes.robot(here, "--cloud", "10"),
+    ):
+        ours, bare = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
+        looking, elsewhere = await scenes.heard_elsewhere(here)
+    theirs = float(np.median(np.concatenate([one.scan_ms for one in bare])))
     return [
-        *figures,
+        *scene_figures("with the cloud", ours, bare, limit_ms=theirs + 30),
         Figure("subscriptions on the robot while it is looked at", looking, 3, ""),
         Figure("the same from another page", elsewhere, 0, ""),
     ]
 
 
+def scene_figures(
+    what: str, ours: list[scenes.Seen], bare: list[scenes.Seen], *, limit_ms: float
+) -> list[Figure]:
+    """Give the figures of our page and of the bare one, drawn by turns."""
+    pairs = list(zip(ours, bare, strict=True))
+    ratio = float(np.median([a.frames / b.frames for a, b in pairs]))
+    ages, their_ages = (np.concatenate([one.scan_ms for one in them]) for them in (ours, bare))
+    return [
+        Figure(f"{what}: bare page's frames beside ours, of the median round", 1 / ratio,
+               1 / 0.9, "times"),
+        Figure(f"{what}: frames", -float(np.median([one.frames for one in ours])), math.inf,
+               "Hz (-)"),
+        Figure(f"{what}: frames of the bare page",
+               -float(np.median([one.frames for one in bare])), math.inf, "Hz (-)"),
+        Figure(f"{what}: scan published → painted, p50 of {ages.size}", float(np.median(ages)),
+               limit_ms, "ms"),
+        Figure(f"{what}: the same of the bare page, p50 of {their_ages.size}",
+               float(np.median(their_ages)), math.inf, "ms"),
+        Figure(f"{what}: processor time of a frame beside the bare page's",
+               float(np.median([a.frame_ms / b.frame_ms for a, b in pairs])), 1 / 0.9, "times"),
+        Figure(f"{what}: the page's process",
+               float(np.median([one.page for one in ours])), math.inf, "% of a core"),
+        Figure(f"{what}: that of the bare page",
+               float(np.median([one.page for one in bare])), math.inf, "% of a core"),
+        Figure(f"{what}: clouds painted, ours and bare",
+               float(np.median([one.clouds for one in ours])),
+               math.inf, f"Hz ({np.median([one.clouds for one in bare]):.1f})"),
+    ]  # fmt: skip
+
+
 PARTS = {
-    "scene": scene, "board": board, "fleet": fleet, "past": past_,
+    "scene": scene, "scene-cloud": scene_cloud, "board": board, "fleet": fleet, "past": past_,
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,
+    "history-export": history_export, "history-servers": history_servers,
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
     "camera-crowd": camera_crowd, "objects": see, "objects-drive": see_and_drive, "press": press,
-    "many": many, "spool": spool, "storm": storm, "join": join, "taps": taps_,
+    "many": many, "spool": spool, "storm": storm, "join": join, "viewers": viewers_, "taps": taps_,
     "taps-cloud": taps_cloud, "taps-drive": taps_drive,
 }  # fmt: skip
 
@@ -649,16 +700,7 @@ def main() -> int:
     over = 0
     for name in chosen:
         print(f"── {name}: {(PARTS[name].__doc__ or '').strip()}", flush=True)
-        for figure in asyncio.run(PARTS[name]()):
-            fits = figure.measured <= figure.limit
-            over += not fits
-            ratio = figure.measured / figure.limit if figure.limit else 0.0
-            mark = "" if fits else "   OVER"
-            print(
-                f"   {figure.what:<56} {figure.measured:8.2f} {figure.unit:<11}"
-                f" limit {figure.limit:6.1f}  ratio {ratio:5.2f}{mark}",
-                flush=True,
-            )
+        over += show_figures(asyncio.run(PARTS[name]()))
     return 1 if over else 0
 
 

@@ -36,6 +36,11 @@ class Stack(NamedTuple):
     environment: dict[str, str]
 
     @property
+    def parts(self) -> tuple[ChildProcess, ChildProcess]:
+        """Gateway and hub."""
+        return self.gateway, self.hub
+
+    @property
     def origin(self) -> str:
         """Where the pages are."""
         return f"https://localhost:{self.port}"

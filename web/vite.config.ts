@@ -3,7 +3,7 @@ import { readdir, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
-import type { Plugin } from "vite";
+import type { Plugin, Rolldown } from "vite";
 import { defineConfig } from "vitest/config";
 import { catalogues } from "./catalogue/plugin.mjs";
 
@@ -71,24 +71,20 @@ function holdsFirstPage(chunk: { readonly moduleIds: readonly string[] }): boole
   return chunk.moduleIds.some((id) => FIRST_PAGES.some((page) => id.endsWith(page)));
 }
 
+/** The scripts of which something is true. */
+function scriptsWith(bundle: Rolldown.OutputBundle, isOne: (chunk: Rolldown.OutputChunk) => boolean): string[] {
+  return Object.values(bundle).flatMap((file) => (file.type === "chunk" && isOne(file) ? [file.fileName] : []));
+}
+
 /** Prints what sign-in and home cost over the wire, and fails over the limit. */
 function firstPaint(): Plugin {
   return {
     name: "talaia-first-paint",
     apply: "build",
     generateBundle(_options, bundle) {
-      const sizes = new Map<string, number>();
-      const visit = (file: string): void => {
-        const chunk = bundle[file];
-        if (chunk === undefined || chunk.type !== "chunk" || sizes.has(file)) return;
-        sizes.set(file, gzipSync(chunk.code, { level: 9 }).length);
-        chunk.imports.forEach(visit);
-      };
-      for (const chunk of Object.values(bundle)) {
-        if (chunk.type !== "chunk") continue;
-        if (chunk.isEntry || holdsFirstPage(chunk)) visit(chunk.fileName);
-      }
-      const total = [...sizes.values()].reduce((sum, size) => sum + size, 0);
+      const first = loadedWith(bundle, scriptsWith(bundle, (chunk) => chunk.isEntry || holdsFirstPage(chunk)));
+      const sizeOf = (file: string): number => (bundle[file]?.type === "chunk" ? gzipSync(bundle[file].code, { level: 9 }).length : 0);
+      const total = [...first].reduce((sum, file) => sum + sizeOf(file), 0);
       const tell = (language: string, bytes: number, files: number): void => {
         console.log(
           `sign-in and home in ${language}: ${(bytes / 1000).toFixed(1)} kB of JavaScript (gzip) in ${String(files)} files; ` +
@@ -96,11 +92,11 @@ function firstPaint(): Plugin {
         );
         if (bytes > FIRST_PAINT_LIMIT) this.error("the first pages are over their limit");
       };
-      tell("en", total, sizes.size);
+      tell("en", total, first.size);
       for (const chunk of Object.values(bundle)) {
         const language = chunk.type === "chunk" ? /virtual:catalogue\/(.+)\/first$/.exec(chunk.facadeModuleId ?? "")?.[1] : undefined;
         if (chunk.type !== "chunk" || language === undefined) continue;
-        tell(language, total + gzipSync(chunk.code, { level: 9 }).length, sizes.size + 1);
+        tell(language, total + sizeOf(chunk.fileName), first.size + 1);
       }
     },
   };
@@ -137,19 +133,10 @@ function preloadFrame(): Plugin {
     transformIndexHtml: {
       order: "post",
       handler(_html, { bundle = {} }) {
-        // What the first file imports is announced by the builder itself.
-        const files = new Set<string>();
-        const visit = (name: string): void => {
-          const chunk = bundle[name];
-          if (chunk?.type !== "chunk" || chunk.isEntry || announced.has(name) || files.has(name)) return;
-          files.add(name);
-          chunk.imports.forEach(visit);
-        };
-        const announced = new Set(Object.values(bundle).flatMap((chunk) => (chunk.type === "chunk" && chunk.isEntry ? chunk.imports : [])));
-        for (const chunk of Object.values(bundle)) {
-          if (chunk.type === "chunk" && chunk.moduleIds.some((id) => id.endsWith(FRAME))) visit(chunk.fileName);
-        }
-        return [...files].map((file) => ({ tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `/${file}` }, injectTo: "head" as const }));
+        // What comes with the first file is announced by the builder itself.
+        const announced = loadedWith(bundle, scriptsWith(bundle, ({ isEntry }) => isEntry));
+        const files = loadedWith(bundle, scriptsWith(bundle, ({ moduleIds }) => moduleIds.some((id) => id.endsWith(FRAME))));
+        return [...files].filter((file) => !announced.has(file)).map((file) => ({ tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `/${file}` }, injectTo: "head" as const }));
       },
     },
   };
@@ -166,8 +153,7 @@ function fillWorker(): Plugin {
         const worker = Object.values(bundle).find((file) => file.type === "chunk" && file.fileName === WORKER);
         if (worker?.type !== "chunk") return this.error("there is no service worker");
         if (worker.imports.length > 0) return this.error("the service worker is a script and imports nothing");
-        const first = Object.values(bundle).flatMap((file) => (file.type === "chunk" && file !== worker && (file.isEntry || holdsFirstPage(file)) ? [file.fileName] : []));
-        const files = loadedWith(bundle, first);
+        const files = loadedWith(bundle, scriptsWith(bundle, (chunk) => chunk !== worker && (chunk.isEntry || holdsFirstPage(chunk))));
         for (const file of Object.values(bundle)) if (file.type === "asset" && file.fileName.endsWith(".css")) files.add(file.fileName);
         const version = createHash("sha256").update(worker.code);
         // Names of the others hold a hash already.

@@ -86,6 +86,8 @@ class FakeHub:
         self.log: list[RobotLogBatch] = []
         self.doubles = 0
         self.old_batches = 0
+        # Samples in each batch that was live, in order.
+        self.batch_sizes: list[int] = []
         self.tick = -1
         self.acking = True
         self.answering = True
@@ -309,6 +311,8 @@ class FakeHub:
         addresses = frame.addresses or self._lists[frame.catalogue]
         columns = unpack_columns(frame)
         have = self.samples[frame.boot]
+        if frame.live:
+            self.batch_sizes.append(len(columns))
         for index in range(len(columns)):
             sequence = frame.first + index
             value = columns.texts.get(index, float(columns.value[index]))

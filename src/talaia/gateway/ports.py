@@ -6,7 +6,7 @@ Long, because each promise is told whole, and in one place.
 from __future__ import annotations
 
 from enum import Enum, auto
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -39,6 +39,7 @@ __all__ = [
     "Filming",
     "FrameSink",
     "LogSink",
+    "PacedAdapter",
     "PictureSink",
     "RawSink",
     "ReadingSource",
@@ -277,6 +278,15 @@ class LogSink(Protocol):
 
     def keep_line(self, line: LogLine) -> None:
         """Keep a line. Callers bound how many there are."""
+        ...
+
+
+@runtime_checkable
+class PacedAdapter(Protocol):
+    """An adapter that reads what came in turns, which are shorter while somebody looks."""
+
+    def shorten_turns(self, *, wanted: bool) -> None:
+        """Read soon what the robot says, or in the usual turns, which cost less; event loop."""
         ...
 
 

@@ -191,6 +191,7 @@ TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.StreamSubscription,
         frames.KeyframeRequest,
         frames.TapSubscription,
+        frames.SignalSubscription,
         frames.ReconnectRequest,
         frames.RecordingRequest,
         frames.NightArmRequest,

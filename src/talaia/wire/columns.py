@@ -19,6 +19,7 @@ __all__ = [
     "Columns",
     "PackedColumns",
     "pack_columns",
+    "pick_samples",
     "renumber_channels",
     "slice_columns",
     "unpack_columns",
@@ -94,6 +95,16 @@ def slice_columns(columns: Columns, begin: int, end: int) -> Columns:
         # A text's key is its position, which is another one in the piece.
         {at - begin: text for at, text in columns.texts.items() if begin <= at < end},
     )
+
+
+def pick_samples(columns: Columns, keep: NDArray[np.bool_]) -> Columns:
+    """Give the samples where ``keep`` is true; texts move to their new places."""
+    texts = columns.texts
+    if texts:
+        # For each sample that stays its new place.
+        place = np.cumsum(keep) - 1
+        texts = {int(place[at]): text for at, text in texts.items() if keep[at]}
+    return Columns(columns.channel[keep], columns.time_us[keep], columns.value[keep], texts)
 
 
 def renumber_channels(columns: Columns, order: NDArray[np.int64]) -> Columns:

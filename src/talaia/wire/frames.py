@@ -131,6 +131,7 @@ from talaia.wire.gateway_messages.samples import (
     ResendRequest,
     SampleBatch,
     SampleGap,
+    SignalSubscription,
 )
 from talaia.wire.gateway_messages.session import (
     Beat,
@@ -265,6 +266,7 @@ __all__ = [
     "SampleGap",
     "Scalar",
     "SightingReport",
+    "SignalSubscription",
     "StopRequest",
     "StopState",
     "StreamError",

@@ -86,7 +86,7 @@ def test_what_was_only_in_memory_when_the_gateway_was_killed_is_a_gap(
 ) -> None:
     spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     spool.append_record(record(0))
-    monkeypatch.setattr(Spool, "_write_record", lambda *_: False)
+    monkeypatch.setattr(Spool, "_write_records", lambda *_: False)
     spool.append_record(record(10))
     monkeypatch.undo()
     later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)

@@ -11,7 +11,7 @@ from talaia.model.boards.board import Board
 from talaia.model.boards.board_file import load_board
 from talaia.model.errors import DescriptionError
 
-from ..conftest import DESCRIPTION
+from ..conftest import DESCRIPTION, PASSWORD
 from ..everyone.boards import BOARD
 
 DESCRIBED = """
@@ -82,6 +82,31 @@ async def test_a_board_is_seen_by_those_it_is_shared_with_and_changed_by_its_own
     assert (await guest.get("/api/sites/agv/history", params=channel)).status_code == 404
     kinds = [row["kind"] for row in (await admin.get("/api/audit")).json()["rows"]]
     assert kinds.count("board shared") == 2
+
+
+async def test_a_shared_board_goes_to_no_site_where_its_owner_may_not_share(hub) -> None:
+    admin = await hub.client("admin")
+    right = {"right": "use", "site": "agv", "device": "*"}
+    role = {"name": "keeper", "permissions": [right]}
+    assert (await admin.post("/api/roles", json=role)).is_success
+    person = {"name": "kim", "password": PASSWORD, "role": "keeper"}
+    assert (await admin.post("/api/people", json=person)).is_success
+    keeper = await hub.client("kim")
+    at = f"/api/boards/{await made(keeper, site='agv')}"
+    assert (await keeper.put(f"{at}/share", json={"share": "view"})).status_code == 204
+    there = {"board": {**BOARD, "site": "yard"}, "base": 1}
+    refused = await keeper.put(at, json=there)
+    assert (refused.status_code, refused.json()["code"]) == (403, "forbidden")
+    # While nobody else sees it, it is theirs to move; there they may not share it.
+    assert (await keeper.put(f"{at}/share", json={"share": "own"})).status_code == 204
+    assert (await keeper.put(at, json=there)).status_code == 200
+    assert (await keeper.put(f"{at}/share", json={"share": "view"})).status_code == 403
+    # Back at the site where they may, and from there to its old version of elsewhere.
+    back = {"board": {**BOARD, "site": "agv"}, "base": 2}
+    assert (await keeper.put(at, json=back)).status_code == 200
+    assert (await keeper.put(f"{at}/share", json={"share": "view"})).status_code == 204
+    restored = await keeper.post(f"{at}/versions/2/restore", json={"base": 3})
+    assert restored.status_code == 403
 
 
 async def test_boards_of_a_description_are_offered_and_changed_there_alone(hub) -> None:

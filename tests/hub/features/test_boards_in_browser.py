@@ -115,6 +115,63 @@ async def test_who_may_see_little_is_told_so_tile_by_tile(chromium, hub, gateway
     assert guest.errors == []
 
 
+async def test_one_board_serves_each_robot_of_a_kind_and_says_what_one_of_them_lacks(
+    chromium, hub, gateway
+) -> None:
+    operator = await hub.client("operator")
+    tile = {"id": "t1", "type": "chart", "title": "Turning", "desktop": None, "phone": None}
+    signals = ["base/turn_rate", "base/removed", "@battery.level"]
+    tiles = [{**tile, "settings": {"signals": signals}}]
+    board = {"name": "Each", "note": "", "site": "agv", "kind": "", "device": "", "tiles": tiles}
+    key = (await operator.post("/api/boards", json={"board": board})).json()["key"]
+    page = await sign_in(chromium, hub, "operator", to=f"/boards/{key}")
+    # What is there is drawn, and what is not is named beside the title.
+    chart = page.locator("t-board-tile").first
+    await expect(chart.get_by_text("without base/removed")).to_be_visible()
+    await page.get_by_role("button", name="Arrange").click()
+    bar = page.get_by_role("region", name="Arrange the board")
+    await bar.get_by_label("Site").select_option(label="any site")
+    await bar.get_by_label("Kind of device").select_option("vehicle")
+    await page.get_by_role("button", name="Settings of Turning").click()
+    form = page.locator("t-tile-form")
+    gone = form.get_by_role("checkbox", name="base/removed (not here)")
+    await expect(gone).to_be_checked()
+    await gone.uncheck()
+    await expect(gone).to_have_count(0)
+    await page.get_by_role("button", name="Done").click()
+    # A command of whichever device is chosen above the board.
+    await bar.get_by_role("button", name="Add a tile").click()
+    await page.get_by_role("button", name="Command A button").click()
+    await form.get_by_label("Command").select_option(label="Wander about of the chosen device")
+    await page.get_by_role("button", name="Done").click()
+    await bar.get_by_role("button", name="Save", exact=True).click()
+    await expect(page.get_by_text("version 2", exact=False)).to_be_visible()
+    await expect(page.get_by_role("button", name="Send")).to_be_visible()
+    await expect(page.get_by_text("without base/removed")).to_have_count(0)
+    kept = (await operator.get(f"/api/boards/{key}")).json()["board"]
+    assert (kept["site"], kept["kind"]) == ("", "vehicle")
+    assert [tile["settings"] for tile in kept["tiles"]] == [
+        {"signals": ["base/turn_rate", "@battery.level"]},
+        {"command": "$device/wander"},
+    ]
+
+    # It goes out as a file, and comes back the same; another file is told what it lacks.
+    await page.get_by_role("button", name="More of this board").click()
+    async with page.expect_download() as saved:
+        await page.get_by_role("button", name="Export as YAML").click()
+    await page.goto(f"{hub.origin}/boards")
+    file = page.get_by_label("A board's file")
+    wrong = {"name": "site.yaml", "mimeType": "text/yaml", "buffer": b"talaia: 1"}
+    await file.set_input_files(wrong)
+    await expect(page.get_by_text("The file is no board: $.board")).to_be_visible()
+    await file.set_input_files(await (await saved.value).path())
+    await expect(bar).to_be_visible()
+    rows = (await operator.get("/api/boards")).json()["boards"]
+    (other,) = {row["key"] for row in rows} - {key}
+    assert (await operator.get(f"/api/boards/{other}")).json()["board"] == kept
+    assert page.errors == []
+
+
 PAST_TILES = {
     "value": {"signal": "base/turn_rate"},
     "gauge": {"signal": "base/turn_rate"},
@@ -179,6 +236,15 @@ async def test_a_board_in_the_past_shows_it_and_sends_nothing(chromium, hub, gat
     await bar.get_by_role("button", name="Play").click()
     await expect(value).to_contain_text("0.8")
     await bar.get_by_role("button", name="Pause").click()
+    # A moment that no bar reaches is written, by the site's clock; what is none moves nothing.
+    go = bar.get_by_label("Go to a moment (Europe/Madrid)")
+    await go.fill("yesterday")
+    await go.press("Enter")
+    await expect(bar.get_by_text("Write it like")).to_be_visible()
+    await go.fill("2023-11-14 23:14:08")
+    await go.press("Enter")
+    await expect(value).to_contain_text("0.48")
+    await page.wait_for_url("**at=2023-11-14T22%3A14%3A08.000Z")
     # Long after the last sample nothing is shown as if it were of then.
     await page.goto(f"{hub.origin}/boards/{key}?at=2023-11-15T22:14:20Z")
     await expect(bar.get_by_text("No value was recorded in the minute before")).to_be_visible()

@@ -16,6 +16,14 @@ from ..chromium import sign_in
 from ..live.missions.test_missions import LASTING, NOW, end_command
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+# Sockets of the page can be cut, and no other is opened then.
+CUT = """const Socket = WebSocket; window.sockets = []; window.cut = false;
+window.WebSocket = class extends Socket {
+  constructor(url, ...more) {
+    super(cut ? `${url}/nowhere` : url, ...more);
+    sockets.push(this);
+  }
+};"""
 SCREENS = ((390, "dark"), (1440, "light"))
 # One more below the example's `interlocks`, which end it.
 LOCK = """
@@ -55,6 +63,28 @@ async def assert_screens(page, name: str) -> None:
             picture = Path(folder) / f"{name}-{width}-{theme}.png"
             await page.evaluate("scrollTo(0, 0)")
             await page.screenshot(path=picture, full_page=True)
+
+
+async def test_home_shows_few_sites_with_a_live_picture_and_calls_none_online_without_the_hub(
+    chromium, hub, fleet
+) -> None:
+    page = await sign_in(chromium, hub, "operator", script=CUT)
+    cards = page.locator("t-site-card")
+    await expect(cards).to_have_count(3)
+    for name in fleet:
+        card = cards.filter(has_text=name)
+        await expect(card.locator("t-thumbnail")).to_contain_text("Waiting for a picture")
+    await assert_screens(page, "home-few")
+    online = cards.get_by_text("online", exact=True)
+    await expect(online).to_have_count(3)
+    # The hub is out of reach: who stands how is known to nobody, and no time goes on.
+    await page.evaluate("cut = true; for (const socket of sockets) socket.close();")
+    await expect(page.get_by_text("No connection to the hub")).to_be_visible()
+    await expect(cards.get_by_text("unknown", exact=True)).to_have_count(3)
+    await expect(page.get_by_text("online")).to_have_count(0)
+    await page.evaluate("cut = false")
+    await expect(online).to_have_count(3)
+    assert page.errors == []
 
 
 async def test_stop_for_the_chosen_stops_these_and_no_other_and_says_how_far_it_got(
@@ -111,5 +141,8 @@ async def test_command_to_a_group_says_who_will_do_it_and_what_became_of_it_at_e
     await expect(results.filter(has_text="Bruno")).to_contain_text("Rain locks it")
     await expect(command.get_by_text("2 of 2 ended, 1 succeeded")).to_be_visible()
     await assert_screens(page, "fleet-results")
+    # Its lines go by names also when others are chosen by then.
+    await page.get_by_role("button", name="Choose none").click()
+    await expect(results.filter(has_text="Anna")).to_contain_text("wandering")
     assert not [one for one in fleet["Clara"].heard if isinstance(one, frames.CommandRequest)]
     assert page.errors == []

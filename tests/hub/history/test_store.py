@@ -418,6 +418,35 @@ async def test_slow_channels_do_not_keep_the_journal_from_shrinking(tmp_path) ->
         assert await store.stored_below("agv", "b1") == sequence
 
 
+async def test_many_gateways_that_send_little_leave_a_journal_of_few_rows(tmp_path) -> None:
+    """Each batch is a row, and all rows are read before a hub that starts lets anybody in."""
+    import sqlite3
+
+    url = f"sqlite:///{tmp_path}/history.db"
+    limits = HistoryLimits(recent=32, journal_rows=100, delete=4, linger_s=0.0)
+    most = 0
+    async with opened(url, limits) as store:
+        for at in range(60):
+            one = batch([(0, START + at, float(at))])
+            await asyncio.gather(
+                *(
+                    store.append_samples(f"site{site}", "b1", at, addresses=["a/x"], columns=one)
+                    for site in range(20)
+                )
+            )
+            database = sqlite3.connect(tmp_path / "history.db")
+            (rows,) = database.execute("select count(*) from history_hot").fetchone()
+            database.close()
+            most = max(most, rows)
+    # 1 200 without the limit. Channels can be saved once their batches were dealt out to them,
+    # which is after sixteen of each.
+    assert 100 < most < 500
+    async with opened(url, limits) as store:
+        for site in range(20):
+            (series,) = await store.read_series(f"site{site}", ["a/x"], *ALL, width=1000)
+            assert series.value.tolist() == [float(at) for at in range(60)]
+
+
 async def test_readings_for_sql_between_a_plan_and_its_commit_lose_nothing(tmp_path) -> None:
     """Some channels are planned to be sealed when a reading of each is taken of all that came."""
     limits = SMALL._replace(block=8, largest=8, recent=16)

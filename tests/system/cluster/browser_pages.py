@@ -82,8 +82,9 @@ async def open_pages(address: str, cookie: str, sites: list[str]) -> list[Browse
     play = await async_playwright().start()
     browser = await play.chromium.launch(executable_path=program, args=FLAGS)
     context = await browser.new_context()
-    name, _, value = cookie.partition("=")
-    await context.add_cookies([{"name": name, "value": value, "url": address}])
+    for pair in cookie.split("; "):
+        name, _, value = pair.partition("=")
+        await context.add_cookies([{"name": name, "value": value, "url": address}])
     pages = []
     for site in sites:
         page = await context.new_page()

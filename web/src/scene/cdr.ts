@@ -68,7 +68,10 @@ export class MessageReader {
   }
 
   list<T>(least: number, read: () => T): T[] {
-    return Array.from({ length: this.length(least) }, read);
+    const count = this.length(least);
+    const found: T[] = [];
+    for (let i = 0; i < count; i++) found.push(read());
+    return found;
   }
 
   float32s(): Float32Array {

@@ -123,6 +123,17 @@ export class FrameTree {
     return this.find(target, frame, 0) !== null;
   }
 
+  /** Frames that are nobody's children. */
+  roots(): readonly string[] {
+    return [...this.parents].filter((name) => !this.frames.has(name)).sort();
+  }
+
+  /** Since a frame was last said (s); null of one that is fixed, or nobody's child. */
+  ageOf(name: string, nowMs: number): number | null {
+    const entry = this.frames.get(name);
+    return entry === undefined || entry.fixed ? null : agedS(entry, nowMs);
+  }
+
   /** All frames, parents before their children. */
   rows(nowMs: number): readonly FrameRow[] {
     const children = new Map<string, string[]>();
@@ -130,11 +141,11 @@ export class FrameTree {
     const found: FrameRow[] = [];
     const visit = (name: string, depth: number): void => {
       const entry = this.frames.get(name);
-      const age = entry === undefined ? null : Math.max(0, nowMs - entry.heardMs) / 1000;
+      const age = entry === undefined ? null : agedS(entry, nowMs);
       found.push({ name, parent: entry?.parent ?? "", depth, fixed: entry?.fixed ?? false, source: entry?.source ?? "", age });
       for (const child of (children.get(name) ?? []).sort()) visit(child, depth + 1);
     };
-    for (const root of [...this.parents].filter((name) => !this.frames.has(name)).sort()) visit(root, 0);
+    for (const root of this.roots()) visit(root, 0);
     return found;
   }
 
@@ -160,6 +171,10 @@ export class FrameTree {
     }
     return false;
   }
+}
+
+function agedS({ heardMs }: FrameEntry, nowMs: number): number {
+  return Math.max(0, nowMs - heardMs) / 1000;
 }
 
 function insertSample(samples: Sample[], sample: Sample): void {

@@ -74,9 +74,9 @@ export function readPose(reader: MessageReader): Transform {
 /** `tf2_msgs/msg/TFMessage` */
 export function readTransforms(reader: MessageReader): StampedTransform[] {
   return reader.list(64, () => {
-    const header = readHeader(reader);
+    const { timeUs, frame } = readHeader(reader);
     const child = frameName(reader.text());
-    return { ...header, child, transform: readPose(reader) };
+    return { timeUs, frame, child, transform: readPose(reader) };
   });
 }
 

@@ -11,6 +11,18 @@ export type LoadState = "idle" | "loading" | "ready" | "failed";
 const MANY = 50;
 const TOGETHER_MS = 500;
 
+/** Letters without case and accents: who looks for "Pena" finds "Peña". */
+export function foldedText(text: string): string {
+  return text.normalize("NFD").replaceAll(/\p{M}/gu, "").toLowerCase();
+}
+
+/** The same sites; where two have one name, each says its id behind it. */
+function withUniqueNames(rows: readonly SiteSummary[]): readonly SiteSummary[] {
+  const counts = new Map<string, number>();
+  for (const { name } of rows) counts.set(foldedText(name), (counts.get(foldedText(name)) ?? 0) + 1);
+  return rows.map((row) => ((counts.get(foldedText(row.name)) ?? 0) > 1 ? { ...row, name: `${row.name} (${row.site})` } : row));
+}
+
 export class Sites extends Store {
   private rows: readonly SiteSummary[] = [];
   private loading: LoadState = "idle";
@@ -23,6 +35,7 @@ export class Sites extends Store {
     super();
   }
 
+  /** No two have one name. */
   get list(): readonly SiteSummary[] {
     return this.rows;
   }
@@ -60,7 +73,7 @@ export class Sites extends Store {
     if (this.loading !== "ready") this.loading = "loading";
     this.notifyWatchers();
     try {
-      this.rows = await this.api.sites();
+      this.rows = withUniqueNames(await this.api.sites());
       this.loading = "ready";
       this.problem = null;
     } catch (error) {

@@ -3,11 +3,11 @@
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { ConnectionStateController } from "../controllers/connection-state.js";
 import { base, panelBox, quietText } from "../elements/base/base-style.js";
-import { renderGlance } from "./site-glance.js";
+import { renderGlance, renderStanding } from "./site-glance.js";
 import { sitePath } from "../state/router.js";
 import type { SiteSummary } from "../generated/api.js";
-import "../elements/feedback/status.js";
 import "./thumbnail.js";
 
 @customElement("t-fleet-card")
@@ -64,21 +64,20 @@ export class FleetCard extends LitElement {
   ];
 
   @property({ attribute: false }) row: SiteSummary | null = null;
-  /** As it is shown: no two sites have the same. */
-  @property() name = "";
   @property({ type: Number }) bad = 0;
   @property({ type: Number }) warn = 0;
   /** Without a picture. */
   @property({ type: Boolean, reflect: true }) plain = false;
+  private readonly link = new ConnectionStateController(this);
 
   override render(): TemplateResult | typeof nothing {
-    const { row, name } = this;
+    const { row } = this;
     if (row === null) return nothing;
-    return html`${this.plain ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${msg(str`Live picture of ${name}`)}></t-thumbnail>`}
+    return html`${this.plain ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${msg(str`Live picture of ${row.name}`)}></t-thumbnail>`}
       <div class="words">
         <div class="head">
-          <h3><a href=${sitePath(row.site, "live")}>${name}</a></h3>
-          <t-status kind=${row.online ? "online" : "offline"}></t-status>
+          <h3><a href=${sitePath(row.site, "live")}>${row.name}</a></h3>
+          ${renderStanding(row, this.link.state)}
         </div>
         ${renderGlance(row, this)}
       </div>`;

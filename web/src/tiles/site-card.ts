@@ -3,6 +3,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../controllers/load.js";
+import { ConnectionStateController } from "../controllers/connection-state.js";
 import { ContextStoreController } from "../controllers/context-store.js";
 import { TickerController } from "../controllers/ticker.js";
 import { base, quietText } from "../elements/base/base-style.js";
@@ -13,13 +14,13 @@ import { sitePath } from "../state/router.js";
 import type { SignalShape, SiteShape, SiteSummary } from "../generated/api.js";
 import "../elements/layout/card.js";
 import "../elements/base/icon.js";
-import "../elements/feedback/status.js";
 import "../elements/values/time.js";
 import { firstPageOf, firstPageSignals } from "./catalog.js";
 import "./observatory/device-summary.js";
 import "./signal-value.js";
-import { renderGlance } from "./site-glance.js";
+import { renderGlance, renderStanding } from "./site-glance.js";
 import { troubleAt } from "./site-trouble.js";
+import "./thumbnail.js";
 
 const SHOWN = 4;
 const SHOWN_EACH = 6;
@@ -45,6 +46,17 @@ export class SiteCard extends LitElement {
         display: grid;
         gap: var(--t-space-1);
         padding: var(--t-space-4) var(--t-space-4) 0;
+      }
+      /* The picture stands beside the words, above the values. */
+      header:has(t-thumbnail) {
+        grid-template-columns: minmax(0, 1fr) minmax(7rem, 26%);
+        align-items: start;
+        column-gap: var(--t-space-3);
+      }
+      .words {
+        display: grid;
+        gap: var(--t-space-1);
+        min-inline-size: 0;
       }
       .head {
         display: flex;
@@ -155,6 +167,7 @@ export class SiteCard extends LitElement {
 
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly alarms = new ContextStoreController(this, alarmsContext);
+  private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteShape>(this);
 
   constructor() {
@@ -175,17 +188,22 @@ export class SiteCard extends LitElement {
     const since = formatDuration(Date.now() / 1000 - row.since_us / 1e6);
     return html`<t-card>
       <header>
-        <div class="head">
-          <h2><a href=${sitePath(row.site, "live")}>${row.name}</a></h2>
-          <t-status kind=${row.online ? "online" : "offline"}></t-status>
+        <div class="words">
+          <div class="head">
+            <h2><a href=${sitePath(row.site, "live")}>${row.name}</a></h2>
+            ${renderStanding(row, this.link.state)}
+          </div>
+          <p class="facts">
+            ${plural(row.devices, msg("1 device"), msg(str`${String(row.devices)} devices`))}, ${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}${staleness(row)} ·
+            ${this.link.state === "lost"
+              ? msg("connection lost")
+              : row.online
+                ? html`${msg(str`online for ${since}`)}`
+                : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}
+          </p>
+          ${row.online ? renderGlance(row, troubleAt(this.alarms.store, row.site)) : nothing}
         </div>
-        <p class="facts">
-          ${plural(row.devices, msg("1 device"), msg(str`${String(row.devices)} devices`))}, ${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}${staleness(row)} ·
-          ${row.online
-            ? html`${msg(str`online for ${since}`)}`
-            : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}
-        </p>
-        ${row.online ? renderGlance(row, troubleAt(this.alarms.store, row.site)) : nothing}
+        ${row.stream === "" ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${msg(str`Live picture of ${row.name}`)}></t-thumbnail>`}
       </header>
       <div class="values">${this.renderValues(row)}</div>
       <nav aria-label=${row.name}>

@@ -5,10 +5,17 @@ import { html, nothing, type TemplateResult } from "lit";
 import { formatNumber } from "../format/number.js";
 import { plural } from "../words/plural.js";
 import type { SiteSummary } from "../generated/api.js";
+import type { LinkState } from "../wire/connection.js";
+import "../elements/feedback/status.js";
 import "../elements/values/time.js";
 
 /** Below this a battery is worth a word in colour (%). */
 const LOW_BATTERY = 20;
+
+/** Whether its gateway is there; without the hub nobody knows. */
+export function renderStanding({ online }: Pick<SiteSummary, "online">, link: LinkState): TemplateResult {
+  return html`<t-status kind=${link === "lost" ? "unknown" : online ? "online" : "offline"}></t-status>`;
+}
 
 /** `bad` and `warn` count alarms that nobody has settled. Classes `facts`, `bad` and `warn` are the caller's. */
 export function renderGlance(row: SiteSummary, { bad, warn }: { readonly bad: number; readonly warn: number }): TemplateResult {

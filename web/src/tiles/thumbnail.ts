@@ -23,6 +23,7 @@ export class Thumbnail extends LitElement {
         background: var(--t-raised);
         color: var(--t-muted);
         font-size: var(--t-size-s);
+        text-align: center;
       }
       canvas {
         position: absolute;

@@ -27,6 +27,15 @@ describe("a tree of frames", () => {
     expect(tree.rows(0).map(({ name }) => name)).toEqual(["a", "b", "c"]);
   });
 
+  it("says which frames nothing stands under, and how old what moves is", () => {
+    const tree = new FrameTree();
+    tree.add(news("odom", "base_link"), 1000);
+    tree.add({ ...news("base_link", "laser"), fixed: true }, 1000);
+    tree.add(news("earth", "map"), 3000);
+    expect(tree.roots()).toEqual(["earth", "odom"]);
+    expect(["base_link", "laser", "odom", "nowhere"].map((name) => tree.ageOf(name, 4000))).toEqual([3, null, null, null]);
+  });
+
   it("says where a frame was as long as scans may be of then, and not for ever", () => {
     const tree = new FrameTree();
     // Ten times a second for a minute; it moves by a centimetre each time.

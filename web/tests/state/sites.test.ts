@@ -56,6 +56,15 @@ describe("sites", () => {
     expect(sites.siteRow("agv")).toMatchObject({ online: false, since_us: 50, last_seen_us: 50 });
   });
 
+  test("say their ids where two share one name, on every page that lists them", async () => {
+    const rows = [row, { ...row, site: "agv2", name: "HOUSE vehicle" }, { ...row, site: "dome", name: "Dome" }];
+    const sites = new Sites(hub(() => json(rows)).api);
+    await sites.load();
+    expect(sites.list.map(({ name }) => name)).toEqual(["House vehicle (agv)", "HOUSE vehicle (agv2)", "Dome"]);
+    sites.applyUpdate({ ...news, online: false });
+    expect(sites.siteRow("agv")?.name).toBe("House vehicle (agv)");
+  });
+
   test("are asked for anew when one appears that was not there", async () => {
     const { api, asked } = hub(() => json([row]));
     const sites = new Sites(api);

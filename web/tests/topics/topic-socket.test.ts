@@ -46,6 +46,14 @@ test("each message is confirmed, so that the hub knows what is under way", () =>
   expect(updates[0]).toMatchObject({ listed: true, latched: false, definition: "" });
 });
 
+test("of bytes that come often each fourth is confirmed, and large ones at once: one of these is under way at a time", () => {
+  open();
+  const sayBytes = (number: number, size: number): void => sockets[0]?.say({ t: "topic_bytes", number, data: new Uint8Array(size) });
+  for (let number = 1; number <= 9; number += 1) sayBytes(number, 3000);
+  sayBytes(10, 5000);
+  expect(sockets[0]?.sent).toEqual([4, 8, 10].map((number) => ({ t: "topic_shown", number })));
+});
+
 test("it comes back after a loss, and not after it was closed", () => {
   const socket = open();
   sockets[0]?.onopen?.();

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
-from talaia.gateway.ports import CommandOutcome
+from talaia.gateway.ports import CommandOutcome, PacedAdapter
 from talaia.gateway.tap_ports import GraphSource, TopicSource
 from talaia.wire.frames import CommandPhase
 
@@ -97,6 +97,7 @@ class MultiAdapter:
         self._streams: tuple[str, ...] = ()  # What is watched now, for adapters that come later.
         self._tapped: frozenset[str] = frozenset()  # Raw topics that are heard, likewise.
         self._graph_wanted = False  # Whether nodes are listed, likewise.
+        self._watched: frozenset[str] = frozenset()  # Devices that somebody looks at, likewise.
         # While `run` is under way; adapters are begun in it.
         self._group: asyncio.TaskGroup | None = None
         self._tasks: dict[str, asyncio.Task[None]] = {}  # By connection: what runs its adapter.
@@ -160,6 +161,7 @@ class MultiAdapter:
         self.watch(self._streams)
         self.tap_topics(self._tapped)
         self.watch_graph(wanted=self._graph_wanted)
+        self.watch_devices(self._watched)
 
     def _begin_adapter(self, name: str) -> None:
         if self._group is None:
@@ -243,6 +245,14 @@ class MultiAdapter:
         for adapter, _ in self._adapters.values():
             if isinstance(adapter, GraphSource):
                 adapter.watch_graph(wanted=wanted)
+
+    def watch_devices(self, devices: frozenset[str]) -> None:
+        """Read soon the connections of these devices, for somebody looks; see `PacedAdapter`."""
+        self._watched = devices
+        watched = {self._of.get(device) for device in devices}
+        for name, (adapter, _) in self._adapters.items():
+            if isinstance(adapter, PacedAdapter):
+                adapter.shorten_turns(wanted=name in watched)
 
     def define_type(
         self, connection: str, type_name: str, done: Callable[[TopicDefinition | str], None]

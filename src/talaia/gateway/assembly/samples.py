@@ -63,7 +63,7 @@ class SamplesPart(GatewayPart):
             wall_us=base.wall_us,
             machine=machine_run(),
         )
-        self.spool = SpoolThread(spool)
+        self.spool = SpoolThread(spool, gather_s=settings.flush)
         self.batcher = Batcher(
             loop=base.loop,
             boot=base.boot,

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
+from talaia.gateway.samples.signal_watch import SignalWatch
 from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.uplink.key_prover import RESUME_FILE, KeyProver
 from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link, keep_media
@@ -70,7 +71,15 @@ class UplinkPart(GatewayPart):
             change_requests=reload.requests,
             pictures=video.pictures,
             taps=adapters.taps.service,
+<<<<<<< HEAD
             assets=adapters.taps.assets,
+=======
+            watch=SignalWatch(
+                batches=samples.batcher,
+                reader=adapters.adapter,
+                listed=lambda: (reload.reload.now.catalogue, reload.reload.now.addresses),
+            ),
+>>>>>>> main
             reporter=detection.reporter,
             releases=self.releases,
             robot_log=adapters.robot_log.reporter,

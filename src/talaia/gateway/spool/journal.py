@@ -41,7 +41,7 @@ from talaia.gateway.spool.sizes import USUAL
 from talaia.wire.frames import SampleGap
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from talaia.gateway.spool.files import Segment
@@ -159,34 +159,42 @@ class Spool:
         return self._segments.bytes + self._memory.bytes
 
     def append_record(self, record: SampleRecord) -> None:
-        """Keep a record of this boot. Never raises for a full disk: the oldest gives way."""
+        """Keep a record of this boot; see `append_records`."""
+        self.append_records((record,))
+
+    def append_records(self, records: Sequence[SampleRecord]) -> None:
+        """Keep records of this boot that follow each other, by one write.
+
+        Never raises for a full disk: the oldest gives way.
+        """
         # Trimmed first: what the hub has stored must not count against the bound.
         self._trim_acknowledged()
-        data = pack_record(record)
+        data = b"".join(map(pack_record, records))
         # Never the current segment, which is closed at a quarter of the bound.
         while self.kept + len(data) > self._bound and self._drop_oldest(FULL):
             pass
         # In order: what waits in memory comes first.
-        while self._memory and self._place_record(
-            pack_record(self._memory.oldest), self._memory.oldest
+        while self._memory and self._place_records(
+            pack_record(self._memory.oldest), (self._memory.oldest,)
         ):
             self._memory.pop_oldest()
-        if self._memory or not self._place_record(data, record):
-            # What no longer fits there is the oldest; it is told as a gap.
-            for lost in self._memory.add_record(record, self._sizes.memory):
-                self.record_loss(lost, FULL)
+        if self._memory or not self._place_records(data, records):
+            for record in records:
+                # What no longer fits there is the oldest; it is told as a gap.
+                for lost in self._memory.add_record(record, self._sizes.memory):
+                    self.record_loss(lost, FULL)
         # Counts what waits in memory as well: if this run dies, the next one tells of it as
         # missing.
-        self._progress.save_progress(record.end, record.to_us)
+        self._progress.save_progress(records[-1].end, max(record.to_us for record in records))
 
-    def _place_record(self, data: bytes, record: SampleRecord) -> bool:
+    def _place_records(self, data: bytes, records: Sequence[SampleRecord]) -> bool:
         # Asked before each try: `full` says afterwards whether dropping would make room at all.
-        while not (self._room.has_room(len(data)) and self._write_record(data, record)):
+        while not (self._room.has_room(len(data)) and self._write_records(data, records)):
             if not self._room.full or not self._drop_oldest(FULL):
                 return False
         return True
 
-    def _write_record(self, data: bytes, record: SampleRecord) -> bool:
+    def _write_records(self, data: bytes, records: Sequence[SampleRecord]) -> bool:
         segment = self._current
         # Quarter of the bound: dropping the oldest must not mean dropping nearly all.
         largest = min(self._sizes.segment, max(self._bound // 4, len(data)))
@@ -202,7 +210,8 @@ class Spool:
         if not self._writer.write_record(segment, data):
             return False
         # Only what is whole in the file is counted in.
-        segment.count_record(record)
+        for record in records:
+            segment.count_record(record)
         return True
 
     def _pack_segment(self, segment: Segment) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
@@ -25,6 +26,8 @@ T = TypeVar("T")
 MAX_WAITING = 32 * 1024 * 1024
 # What was heard longer ago than this has been given to the spool (µs).
 UNDER_WAY_US = 250_000
+# Of the time in which records are gathered: one that comes this late takes all of them along.
+_EARLY = 0.7
 
 
 class SpoolThread:
@@ -35,8 +38,12 @@ class SpoolThread:
     programs next.
     """
 
-    def __init__(self, spool: Spool) -> None:
-        """Take over ``spool``; nobody else may call it from now on."""
+    def __init__(self, spool: Spool, gather_s: float = 0.0) -> None:
+        """Take over ``spool``; nobody else may call it from now on.
+
+        Records are written about every ``gather_s`` (s), those together that came since, so that
+        batches that are made sooner ask no more of the disk.
+        """
         self._spool = (
             spool  # Touched on `_thread` only, but for `acknowledge_samples` and `former`.
         )
@@ -44,6 +51,12 @@ class SpoolThread:
         self._thread = ThreadPoolExecutor(1, "talaia-spool")
         # How far the run before this one came, if there was one.
         self.former = spool.former
+        self._gather_s = gather_s
+        # Not handed to the thread yet; whatever else is asked of it comes behind them.
+        self._gathered: list[SampleRecord] = []
+        # From when on a record is handed over at once (monotonic s); the timer does it without one.
+        self._ripe_s = 0.0
+        self._timer: asyncio.TimerHandle | None = None
         # Two counters, each written by one thread only.
         self._given = 0  # Bytes given, by the event loop.
         self._taken = 0  # Bytes taken, by the thread.
@@ -53,29 +66,46 @@ class SpoolThread:
         size = len(record.body)
         # A stale `_taken` only makes the queue look longer than it is.
         if self._given - self._taken + size > MAX_WAITING:
-            self._thread.submit(self._spool.record_loss, record, "the gateway's disk stood still")
+            self._submit(self._spool.record_loss, record, "the gateway's disk stood still")
             return
         self._given += size
-        self._thread.submit(self._append_sized, record, size).add_done_callback(_log_failure)
+        self._gathered.append(record)
+        if time.monotonic() >= self._ripe_s:
+            self._hand_over()
+        elif self._timer is None:
+            self._timer = asyncio.get_running_loop().call_later(self._gather_s, self._hand_over)
+
+    def _hand_over(self) -> None:
+        """Give the thread what was gathered."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if self._gathered:
+            records, self._gathered = self._gathered, []
+            self._ripe_s = time.monotonic() + _EARLY * self._gather_s
+            self._thread.submit(self._append_sized, records).add_done_callback(_log_failure)
+
+    def _submit(self, work: Callable[..., T], *told: object) -> Future[T]:
+        """Have the thread do something behind all that was given before."""
+        self._hand_over()
+        return self._thread.submit(work, *told)
 
     def record_loss(self, record: SampleRecord, reason: str, boot: str = "") -> None:
         """Record a loss that happened outside the spool; see `Spool.record_loss`."""
-        self._thread.submit(self._spool.record_loss, record, reason, boot).add_done_callback(
-            _log_failure
-        )
+        self._submit(self._spool.record_loss, record, reason, boot).add_done_callback(_log_failure)
 
     def all_heard(self) -> None:
         """See `Spool.all_heard`."""
-        self._thread.submit(self._spool.all_heard).add_done_callback(_log_failure)
+        self._submit(self._spool.all_heard).add_done_callback(_log_failure)
 
-    def _append_sized(self, record: SampleRecord, size: int) -> None:
-        # Before the disk is waited for: at most one record more than the bound is in memory.
-        self._taken += size
-        self._spool.append_record(record)
+    def _append_sized(self, records: list[SampleRecord]) -> None:
+        # Before the disk is waited for: at most these more than the bound are in memory.
+        self._taken += sum(len(record.body) for record in records)
+        self._spool.append_records(records)
 
     def redescribe(self, head: SegmentHead) -> None:
         """See `Spool.redescribe`; what was given before is kept by the old channel list."""
-        self._thread.submit(self._spool.redescribe, head).add_done_callback(_log_failure)
+        self._submit(self._spool.redescribe, head).add_done_callback(_log_failure)
 
     def acknowledge_samples(self, boot: str, below: int) -> None:
         """Pass on an acknowledgement.
@@ -91,7 +121,7 @@ class SpoolThread:
 
     def rewind_acknowledged(self, below: int) -> None:
         """See `Spool.rewind_acknowledged`; done before whatever is asked for after it."""
-        self._thread.submit(self._spool.rewind_acknowledged, below).add_done_callback(_log_failure)
+        self._submit(self._spool.rewind_acknowledged, below).add_done_callback(_log_failure)
 
     async def sync_to_disk(self, heard_us: int = 0) -> None:
         """See `Spool.sync_to_disk`."""
@@ -134,7 +164,7 @@ class SpoolThread:
         return await self._run_on_thread(lambda: self._spool.read_records(place, most))
 
     async def _run_on_thread(self, work: Callable[[], T]) -> T:
-        return await asyncio.wrap_future(self._thread.submit(work))
+        return await asyncio.wrap_future(self._submit(work))
 
     async def close(self) -> None:
         """Finish what waits, close the spool and end the thread."""

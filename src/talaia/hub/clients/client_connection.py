@@ -170,6 +170,10 @@ class ClientConnection:
             if isinstance(result, Exception):
                 raise result
 
+    def write_frame(self, _frame: Frame) -> bool:
+        """Write nothing at once: the session may have to wait for its client."""
+        return False
+
     async def send_frame(self, frame: Frame) -> None:
         """Hand a message to the session."""
         if not isinstance(frame, MessageFrame):

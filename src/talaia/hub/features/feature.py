@@ -64,7 +64,7 @@ class Core:
         self.database = Database(settings.url, on_connect=self.on_connect)
         self.sites = Sites()
         self.browsers = Browsers()
-        self.fanout = Fanout(self.sites, clock)
+        self.fanout = Fanout(self.sites, clock, settings.linger_s)
         self.taps = TapFanout(self.sites, clock)
         self.followers = (self.fanout, self.taps)
         # Read once: a file that is replaced meanwhile must not change what this hub seals by.
@@ -100,6 +100,7 @@ class Core:
 
     async def close(self) -> None:
         """Close the database."""
+        self.fanout.watched.close()
         await self.database.close()
 
 

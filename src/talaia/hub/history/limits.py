@@ -22,6 +22,8 @@ class HistoryLimits(NamedTuple):
             has to look through them.
         journal: what the journal may hold beside two blocks of each channel, before slow
             channels' tails are saved to free it. It is what is read again after a crash.
+        journal_rows: how many rows it may have before the same is done. Many gateways that send a
+            sample each leave a row for each, and nobody is let in until all are read again.
         delete: journal rows deleted in one commit, beside four for each row written.
         raw: up to so many, decompressing is as quick as reading rollups, and more exact.
         linger_s: a commit of few samples begins so long after the last one (s), so that many
@@ -42,6 +44,7 @@ class HistoryLimits(NamedTuple):
     most_held: int = 8_388_608
     recent: int = 4_096
     journal: int = 500_000
+    journal_rows: int = 131_072
     delete: int = 256
     raw: int = 250_000
     cached: int = 1_000_000

@@ -61,6 +61,7 @@ from talaia.wire.gateway_messages.samples import (
     ResendRequest,
     SampleBatch,
     SampleGap,
+    SignalSubscription,
 )
 from talaia.wire.gateway_messages.session import (
     Beat,
@@ -152,6 +153,7 @@ FromHub = (
     | StreamSubscription
     | KeyframeRequest
     | TapSubscription
+    | SignalSubscription
     | ReconnectRequest
     | RecordingRequest
     | NightArmRequest

@@ -1,4 +1,4 @@
-"""Samples on their way to the hub: batches, the newest of each channel, gaps, acknowledgements."""
+"""Samples on their way to the hub: batches, the newest of each, gaps, acknowledgements, wishes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from talaia.wire.gateway_messages.field_types import (
     ChannelColumn,
     Count,
     Micros,
+    Millis,
     Name,
     OffsetColumn,
     Sentence,
@@ -19,7 +20,7 @@ from talaia.wire.gateway_messages.field_types import (
 )
 from talaia.wire.message import Message
 
-__all__ = ["Ack", "NewestBatch", "ResendRequest", "SampleBatch", "SampleGap"]
+__all__ = ["Ack", "NewestBatch", "ResendRequest", "SampleBatch", "SampleGap", "SignalSubscription"]
 
 
 class SampleBatch(Message, frozen=True, kw_only=True, tag="samples"):
@@ -97,3 +98,21 @@ class ResendRequest(Message, frozen=True, kw_only=True, tag="again"):
     boot: Name
     first: Count
     below: Count
+
+
+class SignalSubscription(Message, frozen=True, kw_only=True, tag="signal_subscription"):
+    """The channels that somebody looks at now: their samples are wanted soon. Told on each change.
+
+    All others are sent as ever, and so are these by a gateway that does not know this message. It
+    holds for one link.
+
+    Attributes:
+        catalogue: names the channel list that they are places in (see `Hello`).
+        channels: the places (u16, little-endian); none: nobody looks at anything.
+        every_ms: who wants them most often wants them so often; 0: each as it comes.
+
+    """
+
+    catalogue: Name
+    channels: ChannelColumn = b""
+    every_ms: Millis = 0

@@ -1,4 +1,4 @@
-"""Large messages: they arrive whole, in pieces that let others pass."""
+"""Large messages arrive whole, in pieces that let others pass; frames for many at once."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ import uvicorn
 import websockets
 
 from talaia.hub.api.server.large_messages import LARGEST_PIECE, HubSocketProtocol
+from talaia.hub.live.pages.page_transport import FRAME_WRITER
+from talaia.wire.socket_frame import SocketFrame
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
@@ -31,9 +33,15 @@ async def connected(
         await serve(send)
         await receive()
 
-    config = uvicorn.Config(
-        app, ws=HubSocketProtocol, lifespan="off", log_config=None, ws_per_message_deflate=False
-    )
+    async with connected_to(app) as client:
+        yield client
+
+
+@contextlib.asynccontextmanager
+async def connected_to(app, **config) -> AsyncIterator[websockets.ClientConnection]:
+    """The same, to an application of ASGI; ``config``: settings of uvicorn."""
+    config = {"ws_per_message_deflate": False, **config}
+    config = uvicorn.Config(app, ws=HubSocketProtocol, lifespan="off", log_config=None, **config)
     server = uvicorn.Server(config)
     listener = socket.create_server(("127.0.0.1", 0))
     serving = asyncio.create_task(server.serve(sockets=[listener]))
@@ -147,3 +155,99 @@ async def test_nothing_is_written_after_the_farewell() -> None:
             assert await client.recv() is None
         assert "after sending 'websocket.close'" in await refused
         assert client.close_code == 1000
+
+
+async def test_frames_written_for_many_and_messages_arrive_in_the_order_in_which_they_went() -> (
+    None
+):
+    # RFC 6455 writes lengths up to 125, up to 65 535, and beyond in different ways.
+    sent = [os.urandom(size) for size in (0, 125, 126, LARGEST_PIECE - 1, LARGEST_PIECE)]
+    sent += ["", "ñ" * 100, "ñ" * 30_000]
+
+    async def app(scope, receive, send):
+        write = scope["extensions"][FRAME_WRITER]["write"]
+        await receive()
+        # Not before the other side is let in.
+        assert not write(SocketFrame(b"early"))
+        await send({"type": "websocket.accept"})
+        for message in sent:
+            assert write(SocketFrame(message))
+            await send({"type": "websocket.send", "text": f"after {len(message)}"})
+        await receive()
+
+    async with connected_to(app) as client:
+        for message in sent:
+            assert await client.recv() == message
+            assert await client.recv() == f"after {len(message)}"
+
+
+async def test_one_frame_goes_to_everybody_with_the_same_bytes() -> None:
+    frame = SocketFrame(b"\x01 for all")
+    assert frame.framed is frame.framed
+    assert frame.framed == b"\x82\x09\x01 for all"
+
+
+async def test_no_frame_is_written_within_a_large_message_and_none_after_the_farewell() -> None:
+    written = []
+
+    async def app(scope, receive, send):
+        write = scope["extensions"][FRAME_WRITER]["write"]
+        await receive()
+        await send({"type": "websocket.accept"})
+        sending = asyncio.create_task(send(binary(LARGE)))
+        # Its first piece is out.
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        written.append(write(SocketFrame(b"between")))
+        await sending
+        written.append(write(SocketFrame(b"after")))
+        # Larger than what goes in one frame.
+        written.append(write(SocketFrame(LARGE)))
+        await send({"type": "websocket.close"})
+        written.append(write(SocketFrame(b"late")))
+
+    async with connected_to(app) as client:
+        assert await client.recv() == LARGE
+        assert await client.recv() == b"after"
+        with contextlib.suppress(websockets.ConnectionClosed):
+            assert await client.recv() is None
+    assert written == [False, True, False, False]
+
+
+async def test_who_does_not_read_is_written_no_more_than_a_little_and_gets_that_whole() -> None:
+    frames = [SocketFrame(number.to_bytes(4) * 4096) for number in range(2_000)]
+    taken: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+    async def app(scope, receive, send):
+        write = scope["extensions"][FRAME_WRITER]["write"]
+        await receive()
+        await send({"type": "websocket.accept"})
+        count = 0
+        # The other side reads nothing yet: what the kernel takes is all it gets.
+        while count < len(frames) and write(frames[count]):
+            count += 1
+            await asyncio.sleep(0)
+        taken.set_result(count)
+        await send({"type": "websocket.send", "text": "the end"})
+        await receive()
+
+    async with connected_to(app) as client:
+        client.transport.pause_reading()
+        count = await taken
+        # 32 MB were there to be sent.
+        assert count < len(frames)
+        client.transport.resume_reading()
+        assert [await client.recv() for _ in range(count)] == [one.data for one in frames[:count]]
+        assert await client.recv() == "the end"
+
+
+async def test_a_socket_that_compresses_is_written_nothing_past_its_extension() -> None:
+    async def app(scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        wrote = scope["extensions"][FRAME_WRITER]["write"](SocketFrame(b"plain"))
+        await send({"type": "websocket.send", "text": str(wrote)})
+        await receive()
+
+    async with connected_to(app, ws_per_message_deflate=True) as client:
+        assert await client.recv() == "False"

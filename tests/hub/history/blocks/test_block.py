@@ -8,6 +8,7 @@ from talaia.hub.history.blocks.block import (
     BlockSamples,
     concatenate_samples,
     decode_block,
+    decode_run,
     encode_block,
     in_order,
     split_blocks,
@@ -108,3 +109,19 @@ def test_bytes_of_a_newer_program_say_so(read) -> None:
     body = encode_block(BlockSamples(np.array([1]), np.array([1.0]), {}))
     with pytest.raises(HistoryError, match="version 9"):
         read(b"\x09" + body[1:] + bytes(32))
+
+
+def test_blocks_that_follow_each_other_are_read_into_one_piece_or_not_at_all() -> None:
+    value = np.array([0.5, -0.0, float("inf"), 5e-324, 1 / 3, 7.0])
+    whole = BlockSamples(np.arange(6) * 1_000, value, {})
+    parts = [whole.slice_positions(0, 4), whole.slice_positions(4, 6)]
+    bodies = [encode_block(part) for part in parts]
+    read = decode_run(bodies, [4, 2])
+    assert read is not None
+    assert read.time_us.tolist() == whole.time_us.tolist()
+    assert read.value.tobytes() == value.tobytes()
+    # Texts, damage, and sizes that are not so: whoever reads them one by one tells.
+    words = encode_block(parts[1]._replace(texts={0: "on"}))
+    for wrong in (words, bodies[1][:-3], b"", bodies[0]):
+        assert decode_run([bodies[0], wrong], [4, 2]) is None
+    assert decode_run(bodies, [4, 3]) is None

@@ -28,6 +28,21 @@ def test_it_counts_as_a_list_of_pairs_does(steps: list[tuple[int, int, int]]) ->
             assert rows.last_of_oldest(count) == plain[count - 1][0]
 
 
+def test_rows_that_are_made_one_count_as_one_and_hold_what_they_held() -> None:
+    rows = JournalRows()
+    for number in range(1, 11):
+        rows.append_row(number, 10 * number)
+    rows.forget_rows(2)
+    rows.merge_rows(4, 7)
+    assert len(rows) == 5
+    assert rows.samples == sum(10 * number for number in range(3, 11))
+    assert [rows.last_of_oldest(count) for count in range(1, 6)] == [3, 7, 8, 9, 10]
+    # What of them is gone already is no part of it.
+    rows.forget_rows(8)
+    rows.merge_rows(8, 9)
+    assert (len(rows), rows.samples) == (2, 190)
+
+
 def test_a_hundred_thousand_rows_take_less_than_two_megabytes() -> None:
     tracemalloc.start()
     rows = JournalRows()

@@ -269,3 +269,44 @@ async def test_a_state_is_drawn_as_what_held_last(url) -> None:
             assert 3 in series.value or 0 in series.value
         one = series.time_us < START + 11 * SECOND
         assert 3 in series.value[one]
+
+
+def read_columns(body):
+    """Give each column's values and how a Parquet file holds it."""
+    file = pa.parquet.ParquetFile(io.BytesIO(body))
+    group = file.metadata.row_group(0)
+    held = {group.column(at).path_in_schema: group.column(at).encodings for at in range(3)}
+    return file.read(), held
+
+
+def test_numbers_that_repeat_are_listed_and_others_are_not_in_a_parquet_file() -> None:
+    size = 200_000
+    chance = np.random.default_rng(3)
+    few, many = np.round(chance.normal(size=size), 2), chance.normal(size=size)
+    few[5] = float("nan")
+    time_us = START + np.arange(size) * 10_000
+    pieces = [
+        Rows(time_us[part], [np.arange(size // 2)] * 2, [
+            BlockSamples(time_us[part], column[part], {}) for column in (few, many)
+        ])
+        for part in (slice(0, size // 2), slice(size // 2, size))
+    ]  # fmt: skip
+    columns = [ExportColumn("a/few.x"), ExportColumn("a/many")]
+    body = b"".join(write_file(FileForm.PARQUET, columns, iter(pieces)))
+    table, held = read_columns(body)
+    assert table.column("time").cast(pa.int64()).to_numpy().tolist() == time_us.tolist()
+    np.testing.assert_array_equal(table.column("a/few.x").to_numpy(), few)
+    assert table.column("a/few.x").null_count == 0
+    np.testing.assert_array_equal(table.column("a/many").to_numpy(), many)
+    assert "RLE_DICTIONARY" in held["a/few.x"]
+    assert "RLE_DICTIONARY" not in held["a/many"]
+    assert "DELTA_BINARY_PACKED" in held["time"]
+    # Two bytes or less for a number of three digits, and little more than eight for any.
+    assert len(body) < 12 * size
+
+
+def test_a_parquet_file_of_nothing_has_its_columns() -> None:
+    body = b"".join(write_file(FileForm.PARQUET, [SPEED, MODE], iter([])))
+    table = table_of(FileForm.PARQUET, body)
+    assert table.num_rows == 0
+    assert table.column_names == ["time", "a/speed", "a/mode"]

@@ -49,3 +49,17 @@ async def test_blocks_that_retention_drops_leave_their_numbers_unused(url) -> No
     async with opened(url) as store:
         await store_site(store, "second")
     assert highest_numbers(url)[-1] > before[-1]
+
+
+async def test_a_list_that_comes_again_after_a_renaming_means_other_channels(url) -> None:
+    # The very same object, as a link hands it over with each batch.
+    addresses = ("base/x",)
+    async with opened(url) as store:
+        await store.append_samples("agv", "b", 0, addresses=addresses, columns=batch([(0, 1, 1.0)]))
+        await store.rename_channels("agv", {"base/x": "base/y"})
+        await store.append_samples("agv", "b", 1, addresses=addresses, columns=batch([(0, 2, 2.0)]))
+        found = await store.last_readings("agv", ["base/x", "base/y"])
+    assert {address: value for address, (_, value, _) in found.items()} == {
+        "base/x": 2.0,
+        "base/y": 1.0,
+    }

@@ -70,7 +70,7 @@ def test_kill_minus_nine_loses_nothing_that_was_acknowledged(url, after) -> None
 
 
 # Nearly every commit seals, saves a slow channel or empties the journal.
-TINY = SMALL._replace(block=8, largest=8, recent=4, journal=8, delete=1)
+TINY = SMALL._replace(block=8, largest=8, recent=4, journal=8, journal_rows=6, delete=1)
 
 
 class Died(Exception):

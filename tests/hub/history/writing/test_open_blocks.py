@@ -42,6 +42,17 @@ def tails_of(rows, *, recent=8, deal=True):
     return tails
 
 
+def test_of_rows_that_are_joined_the_last_one_counts_as_dealt_and_the_first_is_kept() -> None:
+    tails = Tails(1, 0, 8)
+    tails.add_chunks([chunk_of(5, [(0, 1, ""), (1, 2, "")])], 9)
+    tails.deal_chunks()
+    # A block that is made now has all of them: what stands after it in the journal is new.
+    assert tails.dealt_row == 9
+    assert tails.needed_row() == 5
+    tails.forget_sealed([0, 1], 2)
+    assert tails.needed_row() == 10
+
+
 @given(batches, st.booleans())
 def test_a_snapshot_has_each_sample_of_a_channel_once_and_in_order(rows, deal) -> None:
     tails = tails_of(rows, deal=deal)
@@ -53,6 +64,18 @@ def test_a_snapshot_has_each_sample_of_a_channel_once_and_in_order(rows, deal) -
             if which == channel
         ]
         assert flat(tails.channel_snapshot(channel).samples) == sent
+
+
+@given(batches, st.booleans())
+def test_snapshots_of_many_channels_are_those_of_each(rows, deal) -> None:
+    tails = tails_of(rows, deal=deal)
+    # One that nobody has heard of, too.
+    asked = range(CHANNELS + 1)
+    together = tails.channel_snapshots(asked)
+    assert [flat(together[channel].samples) for channel in asked] == [
+        flat(tails.channel_snapshot(channel).samples) for channel in asked
+    ]
+    assert {snapshot.block for snapshot in together.values()} == {1}
 
 
 @given(batches, st.integers(0, 40_000), st.integers(0, 40_000))
@@ -89,4 +112,18 @@ def test_with_many_channels_batches_wait_for_more_than_one_sample_of_each() -> N
     tails.add_chunks([chunk_of(9, [(0, 1, "")] * 79)])
     assert not tails.is_due()
     tails.add_chunks([chunk_of(10, [(0, 1, "")])])
+    assert tails.is_due()
+
+
+def test_many_channels_that_are_all_new_wait_for_more_than_one_sample_of_each() -> None:
+    everybody = [(channel, 0, "") for channel in range(1_000)]
+    tails = tails_of([everybody] * 31, recent=1, deal=False)
+    assert not tails.is_due()
+    tails.add_chunks([chunk_of(32, everybody)])
+    assert tails.is_due()
+    tails.deal_chunks()
+    # Those that come after them are counted anew.
+    tails.add_chunks([chunk_of(33, [(channel + 5_000, 0, "") for channel in range(3)])])
+    assert not tails.is_due()
+    tails.forget_sealed(range(1_000), 2)
     assert tails.is_due()

@@ -32,5 +32,7 @@ async def test_stalled_page_is_bounded_and_hurts_nobody(hub, gateway) -> None:
         message = TO_BROWSER.decode(await stalled.recv())
         if isinstance(message, Values):
             piece = unpack_columns(message)
+            # What goes past the outbox and what waited in it come in their order.
+            assert last <= piece.value[0] <= piece.value[-1]
             last = piece.value[-1]
     await stalled.close()

@@ -2,9 +2,9 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
-import { formatClock, timeText } from "../../format/time.js";
-import { DAY_US, HOUR_US, MINUTE_US, SECOND_US } from "../../series/zone-clock.js";
+import { customElement, property, state } from "lit/decorators.js";
+import { formatClock, knownZone, timeText } from "../../format/time.js";
+import { clockOf, DAY_US, HOUR_US, MINUTE_US, momentProblem, SECOND_US } from "../../series/zone-clock.js";
 import { base, quietText, raisedBox } from "../base/base-style.js";
 import { renderOptions } from "../forms/form-parts.js";
 import { control } from "../forms/input-style.js";
@@ -87,6 +87,9 @@ export class TimeBar extends LitElement {
         align-items: center;
         gap: var(--t-space-1);
         font-size: var(--t-size-s);
+      }
+      .keys input {
+        inline-size: 12.5rem;
       }
       .now {
         margin-inline-start: auto;
@@ -202,6 +205,9 @@ export class TimeBar extends LitElement {
   /** How much time the bar spans (µs). */
   @property({ type: Number }) length = HOUR_US;
 
+  /** Why what was written is no moment. */
+  @state() private mistake = "";
+
   override render(): TemplateResult {
     const { us, zone, end } = this;
     const span = barSpan(us, end, this.length);
@@ -235,6 +241,7 @@ export class TimeBar extends LitElement {
         <t-button kind="quiet" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
         <label>${msg("Speed")} <select aria-label=${msg("Speed")} @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
         <label>${msg("Bar")} <select aria-label=${msg("Length of the bar")} @change=${this.onLength}>${renderOptions(LENGTHS, String(this.length))}</select></label>
+        <label>${msg("Go to")} <input type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" aria-label=${msg(str`Go to a moment (${zone})`)} aria-invalid=${this.mistake === "" ? "false" : "true"} @change=${this.onWritten} /></label>
         ${this.notes ? this.renderNoteKeys() : nothing} <slot name="keys"></slot>
       </div>
       <div role="status">${this.renderState()}</div>`;
@@ -247,6 +254,7 @@ export class TimeBar extends LitElement {
   }
 
   private renderState(): unknown {
+    if (this.mistake !== "") return html`<p class="said warn">${this.mistake}</p>`;
     if (this.state === "failed") return html`<p class="said warn">${msg("The hub did not give what was recorded.")} <t-button kind="quiet" @click=${this.onRetry}>${msg("Try again")}</t-button></p>`;
     if (this.atEnd) return html`<p class="said">${msg("That is the newest that is recorded. “Back to now” shows what comes.")}</p>`;
     if (this.state === "silent") return html`<p class="said warn">${msg("No value was recorded in the minute before this moment.")}</p>`;
@@ -301,6 +309,16 @@ export class TimeBar extends LitElement {
     else if (event.key === " ") this.fire("t-play");
     else return;
     event.preventDefault();
+  };
+
+  /** By the site's clock, however far back. */
+  private readonly onWritten = (event: Event): void => {
+    if (!(event.target instanceof HTMLInputElement)) return;
+    const us = clockOf(knownZone(this.zone)).fromInput(event.target.value);
+    this.mistake = momentProblem(event.target.value, us);
+    if (Number.isNaN(us)) return;
+    event.target.value = "";
+    this.fire("t-seek", Math.min(this.end, us));
   };
 
   private readonly onSpeed = (event: Event): void => {

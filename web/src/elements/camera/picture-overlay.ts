@@ -1,6 +1,30 @@
-/** The look of what lies on a picture: keys, a badge, what stands there instead of it, the tint. */
+/** The look of a picture's frame, and of what lies on a picture: keys, a badge, what stands there instead of it, the tint. */
 
 import { css } from "lit";
+
+/** Of an element that is one recorded picture or film. */
+export const pictureFrame = css`
+  :host {
+    display: grid;
+    position: relative;
+    overflow: hidden;
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: #000;
+    aspect-ratio: 4 / 3;
+    min-inline-size: 0;
+  }
+  video,
+  canvas,
+  img {
+    position: absolute;
+    inset: 0;
+    inline-size: 100%;
+    block-size: 100%;
+    object-fit: contain;
+    filter: var(--t-picture-filter, none);
+  }
+`;
 
 export const onPicture = css`
   /* Multiplied with the picture: a red tint leaves nothing but red. Only there where a theme

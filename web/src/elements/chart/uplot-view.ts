@@ -6,6 +6,7 @@ import { decimalsOf, type AxisRange } from "../../series/axis-range.js";
 import { tickText, timeStep, timeTicks } from "../../series/time-ticks.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import type { ZoneClock } from "../../series/zone-clock.js";
+import { AxesPicture } from "./axes-picture.js";
 import { drawClipped, type Plot } from "./draw-parts.js";
 import type { ChartIndent } from "./chart-model.js";
 import { seriesColour, type Palette } from "./palette.js";
@@ -50,6 +51,9 @@ export class UplotView {
   private span: TimeSpan = { fromUs: 0, toUs: 1 };
   private ranges: readonly AxisRange[] = [];
   private step = 0;
+  private readonly axes = new AxesPicture();
+  /** Of the axes that are drawn now; null: they are not those of `span` and `ranges`. */
+  private axesKey: string | null = null;
 
   constructor(
     engine: typeof UPlotType,
@@ -69,10 +73,12 @@ export class UplotView {
   }
 
   resize(size: { width: number; height: number }): void {
+    this.axes.forget();
     this.plot.setSize(size);
   }
 
   recolour(palette: Palette): void {
+    this.axes.forget();
     this.palette = palette;
   }
 
@@ -90,6 +96,12 @@ export class UplotView {
     const others = step !== this.step;
     if (others) this.ticks.clear();
     this.step = step;
+    const key = this.keyOfAxes();
+    if (this.axes.drawOn(this.plot.ctx, key)) {
+      this.drawPlot();
+      return;
+    }
+    this.axesKey = key;
     this.plot.batch(() => {
       this.plot.setScale("x", { min: span.fromUs, max: span.toUs });
       ranges.forEach(({ low, high }, i) => {
@@ -98,6 +110,7 @@ export class UplotView {
       // A change of colour alone moves no scale, but must be drawn.
       this.plot.redraw(false, others);
     });
+    this.axesKey = null;
   }
 
   destroy(): void {
@@ -124,7 +137,7 @@ export class UplotView {
         ...Object.fromEntries(Array.from({ length: Math.max(1, axes.length) }, (_, i) => [scaleOf(i), this.valueScale(i)])),
       },
       axes: [this.timeAxis(), ...axes.map((look, i) => this.valueAxis(look, i))],
-      hooks: { draw: [this.drawPlot] },
+      hooks: { drawAxes: [this.finishAxes], draw: [this.drawPlot] },
     };
   }
 
@@ -200,9 +213,35 @@ export class UplotView {
     return text;
   }
 
-  private readonly drawPlot = (plot: UPlotType): void => {
+  /** The same for axes that look the same: ends of the values, and which marks of the time stand where (canvas pixels). */
+  private keyOfAxes(): string {
+    const { span, step } = this;
+    const { canvas } = this.plot.ctx;
+    const { left, width } = this.plot.bbox;
+    const marks = timeTicks(span.fromUs, span.toUs, step, this.options.clock).map((us) => {
+      const x = Math.round(left + width * ((us - span.fromUs) / (span.toUs - span.fromUs)));
+      return `${String(us)} ${String(x)} ${String(this.hasRoom(us))}`;
+    });
+    return [canvas.width, canvas.height, step, ...this.ranges.flatMap(({ low, high }) => [low, high]), ...marks].join();
+  }
+
+  private readonly finishAxes = (): void => {
+    this.drawTitles(this.inside());
+    if (this.axesKey !== null) this.axes.keep(this.plot.ctx.canvas, this.axesKey);
+  };
+
+  private readonly drawPlot = (): void => {
+    const inside = this.inside();
+    drawClipped(inside, () => {
+      this.drawInside(inside);
+    });
+  };
+
+  /** Where the traces are, and what its sides stand for. */
+  private inside(): Plot {
+    const { plot } = this;
     const { left, top, width, height } = plot.bbox;
-    const inside: Plot = {
+    return {
       ctx: plot.ctx,
       left,
       top,
@@ -213,11 +252,7 @@ export class UplotView {
       ratio: this.pixelRatio,
       font: this.palette.font,
     };
-    this.drawTitles(inside);
-    drawClipped(inside, () => {
-      this.drawInside(inside);
-    });
-  };
+  }
 
   /** The unit over each axis, at its outer edge. */
   private drawTitles({ ctx, left, top, width, ratio }: Plot): void {

@@ -289,7 +289,7 @@ export class SceneElement extends LitElement {
     const tree = this.session?.model.tree;
     if (tree === undefined) return "";
     if (this.fixedChoice !== "" && tree.has(this.fixedChoice)) return this.fixedChoice;
-    return chooseFixedFrame((name) => tree.has(name), tree.rows(0).filter(({ depth }) => depth === 0).map(({ name }) => name));
+    return chooseFixedFrame((name) => tree.has(name), tree.roots());
   }
 
   private robotFrame(): string {
@@ -298,8 +298,8 @@ export class SceneElement extends LitElement {
   }
 
   private robotAge(): number | null {
-    const row = this.session?.model.tree.rows(this.session.model.nowMs()).find(({ name }) => name === this.robotFrame());
-    return row === undefined || row.fixed ? null : row.age;
+    const model = this.session?.model;
+    return model === undefined ? null : model.tree.ageOf(this.robotFrame(), model.nowMs());
   }
 
   private async build(canvas: HTMLCanvasElement, session: SceneSession): Promise<void> {

@@ -41,6 +41,7 @@ import "../../elements/forms/choice.js";
 import "../../elements/forms/field.js";
 import "../../elements/layout/menu.js";
 import "./board-dialogs.js";
+import "./board-form.js";
 import "./board-view.js";
 import "./tile-form.js";
 
@@ -126,7 +127,7 @@ export class PageBoard extends LitElement {
     const view = this.renderView(board, detail);
     if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail, this.query)}${view}`;
     return html`${this.renderHead(board, detail)} ${renderAdvice(this.action.problem)}<p class="said" role="status">${this.action.doneText}</p>
-      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${this.past.renderBar(detail, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
+      ${this.draft === null ? nothing : this.renderArrangeBar(board, detail)} ${this.past.renderBar(detail, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
@@ -275,10 +276,10 @@ export class PageBoard extends LitElement {
 
   // ── arranging ───────────────────────────────────────────────────────────────────────────
 
-  private renderArrangeBar(board: BoardShape): TemplateResult {
+  private renderArrangeBar(board: BoardShape, detail: SiteShape): TemplateResult {
     const { draft } = this;
     return html`<section class="arrange" aria-label=${msg("Arrange the board")} data-turn=${this.draftKey}>
-      <t-field label=${msg("Name")}><input name="name" type="text" maxlength="100" .value=${board.name} @input=${this.onName} /></t-field>
+      <t-board-form .board=${board} .detail=${detail} @t-board=${this.onBoard}></t-board-form>
       <t-choice label=${msg("Layout for")} .options=${GRIDS} .chosen=${this.grid} @t-choose=${this.onGrid}></t-choice>
       <t-button @click=${this.onAddTile}>${msg("Add a tile…")}</t-button>
       <t-button kind="quiet" ?disabled=${draft?.canUndo !== true} @click=${this.undo}>${msg("Undo")}</t-button>
@@ -339,8 +340,8 @@ export class PageBoard extends LitElement {
     this.redrawDraft();
   };
 
-  private readonly onName = (event: Event): void => {
-    if (event.target instanceof HTMLInputElement) this.draft?.change({ name: event.target.value }, true);
+  private readonly onBoard = (event: CustomEvent<Partial<BoardShape>>): void => {
+    this.draft?.change(event.detail, "name" in event.detail);
     this.redrawDraft();
   };
 

@@ -1,12 +1,12 @@
 /** The settings of one tile, as a form that its schema makes. */
 
 import { consume } from "@lit/context";
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { DEVICE, signalChoices, type BoardSubjects } from "../../boards/references.js";
+import { DEVICE, findSignal, findStream, signalChoices, type BoardSubjects } from "../../boards/references.js";
 import { isUnset, settingFlag, settingList, settingNumber, settingText, withSetting, type SettingField, type SettingValue } from "../../boards/tile-settings.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
@@ -96,7 +96,7 @@ export class TileForm extends LitElement {
     }
     if (kind === "signals" || kind === "streams") {
       const chosen = settingList(tile.settings, key);
-      const choices = this.choicesOf(field, subjects);
+      const choices = [...keptChoices(field, chosen, this.choicesOf(field, subjects), subjects), ...this.choicesOf(field, subjects)];
       return html`<fieldset tabindex="-1">
         <legend>${label}${hint === "" ? nothing : ` (${hint})`}</legend>
         ${choices.length === 0 ? html`<p class="muted">${msg("There is none of this kind here.")}</p>` : nothing}
@@ -160,9 +160,16 @@ export class TileForm extends LitElement {
       }
       case "stream":
       case "streams":
-        return [...detail.devices.flatMap(({ name, streams }) => streams.map((stream) => [stream.address, `${name}: ${stream.name}`] as const)), [DEVICE, msg("The first camera of the board's device")] as const];
+        return [
+          ...detail.devices.flatMap(({ name, streams }) => streams.map((stream) => [stream.address, `${name}: ${stream.name}`] as const)),
+          ...ofChosenDevice(subjects.device?.streams ?? []),
+          [DEVICE, msg("The first camera of the board's device")] as const,
+        ];
       case "command":
-        return detail.devices.flatMap(({ id, name, commands }) => commands.map((command) => [`${id}/${command.id}`, `${name}: ${command.name}`] as const));
+        return [
+          ...detail.devices.flatMap(({ id, name, commands }) => commands.map((command) => [`${id}/${command.id}`, `${name}: ${command.name}`] as const)),
+          ...ofChosenDevice(subjects.device?.commands ?? []),
+        ];
       case "extension":
         return this.extensions.map(({ name, title }) => [name, title] as const);
       case "choice":
@@ -192,6 +199,21 @@ export class TileForm extends LitElement {
   private fire(tile: BoardTileShape): void {
     this.dispatchEvent(new CustomEvent("t-tile", { detail: tile }));
   }
+}
+
+type TileChoice = readonly [value: string, label: string];
+
+/** The same of whichever device is chosen, so that a board serves each of its kind. */
+function ofChosenDevice(parts: readonly { readonly id: string; readonly name: string }[]): readonly TileChoice[] {
+  return parts.map(({ id, name }) => [`${DEVICE}/${id}`, msg(str`${name} of the chosen device`)] as const);
+}
+
+/** What was chosen and cannot be chosen here now: by its role, of another robot, or gone. It can be taken away. */
+function keptChoices({ kind }: SettingField, chosen: readonly string[], choices: readonly TileChoice[], subjects: BoardSubjects): readonly TileChoice[] {
+  const find = kind === "streams" ? findStream : findSignal;
+  return chosen
+    .filter((name) => !choices.some(([value]) => value === name))
+    .map((name) => [name, find(name, subjects) === null ? msg(str`${name} (not here)`) : name] as const);
 }
 
 /** Within the field's bounds; empty is nothing. */

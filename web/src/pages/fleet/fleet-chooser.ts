@@ -4,15 +4,16 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import type { SiteSummary } from "../../generated/api.js";
+import { renderStanding } from "../../tiles/site-glance.js";
 import type { SiteTrouble } from "../../tiles/site-trouble.js";
-import { fleetGroups, tagsOf, uniqueNames, type FleetGroup } from "../home/fleet-list.js";
+import { fleetGroups, tagsOf, type FleetGroup } from "../home/fleet-list.js";
 import { ShownRowsController } from "../home/shown-rows.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 
 const NO_TROUBLES: ReadonlyMap<string, SiteTrouble> = new Map();
@@ -88,13 +89,13 @@ export class FleetChooser extends LitElement {
   @state() private words = "";
   @state() private tag = "";
   @query(".end") private readonly end!: HTMLElement | null;
+  private readonly link = new ConnectionStateController(this);
   private readonly shown = new ShownRowsController(this, () => this.end);
 
   override render(): TemplateResult {
     const { rows } = this;
     const groups = this.foundGroups();
     const found = sitesOf(groups);
-    const names = uniqueNames(rows);
     const tags = tagsOf(rows);
     return html`
       <div class="tools" role="search">
@@ -103,14 +104,14 @@ export class FleetChooser extends LitElement {
         <t-button ?disabled=${found.length === 0} @click=${this.chooseFound}>${msg(str`Choose all ${found.length}`)}</t-button>
         <t-button ?disabled=${this.chosen.size === 0} @click=${this.chooseNone}>${msg("Choose none")}</t-button>
       </div>
-      ${found.length === 0 ? html`<t-empty heading=${msg("No site fits")} icon="devices"></t-empty>` : this.renderGroups(groups, names)}
+      ${found.length === 0 ? html`<t-empty heading=${msg("No site fits")} icon="devices"></t-empty>` : this.renderGroups(groups)}
     `;
   }
 
   /** Rows near the view alone: what a row is made of takes time a thousand times. */
-  private renderGroups(groups: readonly FleetGroup[], names: ReadonlyMap<string, string>): TemplateResult {
+  private renderGroups(groups: readonly FleetGroup[]): TemplateResult {
     const { drawn, ends } = this.shown.firstOf(groups);
-    const sections = drawn.map(({ group: { name }, rows }) => this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), rows, names));
+    const sections = drawn.map(({ group: { name }, rows }) => this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), rows));
     return html`${sections}${ends ? html`<div class="end"></div>` : nothing}`;
   }
 
@@ -118,18 +119,18 @@ export class FleetChooser extends LitElement {
     return fleetGroups(this.rows, { words: this.words, tag: this.tag, order: "name" }, NO_TROUBLES);
   }
 
-  private renderGroup(name: string, rows: readonly SiteSummary[], names: ReadonlyMap<string, string>): TemplateResult {
+  private renderGroup(name: string, rows: readonly SiteSummary[]): TemplateResult {
     return html`<fieldset>
       <legend>${name}</legend>
       <ul>
         ${repeat(
           rows,
           ({ site }) => site,
-          ({ site, name: own, online, state, tags }) => html`<li>
+          ({ site, name: shown, online, state, tags }) => html`<li>
             <label>
               <input type="checkbox" name=${site} .checked=${this.chosen.has(site)} @change=${this.onTick} />
-              <span>${names.get(site) ?? own} <span class="facts">${[state, ...tags.map((tag) => `#${tag}`)].filter(Boolean).join(" · ")}</span></span>
-              <t-status kind=${online ? "online" : "offline"}></t-status>
+              <span>${shown} <span class="facts">${[state, ...tags.map((tag) => `#${tag}`)].filter(Boolean).join(" · ")}</span></span>
+              ${renderStanding({ online }, this.link.state)}
             </label>
           </li>`,
         )}

@@ -15,7 +15,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import { lockText } from "../../format/interlock-reason.js";
 import type { SharedCommandShape, SiteSummary } from "../../generated/api.js";
-import { deviceHoldersContext, interlocksContext, reachContext } from "../../state/contexts.js";
+import { deviceHoldersContext, interlocksContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { Reachability } from "../../state/device-reachability.js";
 import { consume } from "@lit/context";
@@ -58,6 +58,7 @@ export class FleetCommand extends LitElement {
 
   @consume({ context: reachContext, subscribe: true }) private readonly reach?: Reachability;
   private readonly interlocks = new ContextStoreController(this, interlocksContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly holders = new ContextStoreController(this, deviceHoldersContext);
   private readonly watched = new StoreController(this);
   private readonly reached = new StoreController(this);
@@ -121,7 +122,8 @@ export class FleetCommand extends LitElement {
           ({ site }) => site,
           ({ site, device, phase, message, progress }) => {
             const { kind, word } = PHASES[phase];
-            const name = this.chosen.find((row) => row.site === site)?.name ?? site;
+            // Others may be chosen by now.
+            const name = this.sites.store?.siteRow(site)?.name ?? site;
             return html`<li>
               <span class="name">${name}</span>
               <t-status kind=${kind} .word=${phase === "running" && progress > 0 ? `${word}, ${(progress * 100).toFixed(0)} %` : word}></t-status>

@@ -5,10 +5,12 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { GroupStopClient, GroupStopRow } from "../../controllers/drive/group-stop-client.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import { plural } from "../../words/plural.js";
 import type { SiteSummary } from "../../generated/api.js";
+import { sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import { nameList } from "./group-preview.js";
 import { groupRows } from "./group-rows-style.js";
@@ -42,6 +44,7 @@ export class FleetStop extends LitElement {
   @property({ type: Boolean }) partial = false;
   @property({ attribute: false }) line: GroupStopClient | null = null;
   private readonly watched = new StoreController(this);
+  private readonly sites = new ContextStoreController(this, sitesContext);
 
   override willUpdate(): void {
     this.watched.setStore(this.line);
@@ -84,7 +87,8 @@ export class FleetStop extends LitElement {
 
   private renderRow(row: GroupStopRow, rows: readonly GroupStopRow[]): TemplateResult {
     const { kind, word, text } = stopWords(row);
-    const name = this.rows.find(({ site }) => site === row.site)?.name ?? row.site;
+    // Others may be chosen by now.
+    const name = this.sites.store?.siteRow(row.site)?.name ?? row.site;
     const several = rows.some(({ site, device }) => site === row.site && device !== row.device);
     return html`<li>
       <span class="name">${name}${several ? `: ${row.device}` : ""}</span>

@@ -14,11 +14,10 @@ import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.j
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
-import type { SharedCommandList, SiteSummary } from "../../generated/api.js";
+import type { SharedCommandList } from "../../generated/api.js";
 import { apiContext, connectionContext, sitesContext } from "../../state/contexts.js";
 import type { Connection } from "../../wire/connection.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { uniqueNames } from "../home/fleet-list.js";
 import type { FleetStop } from "./fleet-stop.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
@@ -80,8 +79,7 @@ export class PageFleet extends LitElement {
     if (sites === undefined || sites.status === "idle" || (sites.status === "loading" && sites.list.length === 0)) return html`<t-loading what=${msg("Loading your sites")}></t-loading>`;
     if (sites.status === "failed" && sites.list.length === 0) return renderAdvice(adviceFor(sites.renderError, msg("the list of sites")), () => void sites.load());
     if (sites.list.length === 0) return html`<t-empty heading=${msg("No sites yet")} icon="unlinked"><p>${msg("A site appears here once its gateway has connected to this hub, and you have the right to view it.")}</p></t-empty>`;
-    const names = uniqueNames(sites.list);
-    const rows = sites.list.map((row): SiteSummary => ({ ...row, name: names.get(row.site) ?? row.name }));
+    const rows = sites.list;
     const chosen = rows.filter(({ site }) => this.chosen.has(site));
     return html`
       <t-fleet-stop .rows=${chosen.length > 0 ? chosen : rows} ?partial=${chosen.length > 0} .line=${this.stopLine}></t-fleet-stop>

@@ -2,6 +2,7 @@
 
 import { msg } from "@lit/localize";
 import type { SiteSummary } from "../../generated/api.js";
+import { foldedText } from "../../state/sites.js";
 import { NO_TROUBLE, type SiteTrouble } from "../../tiles/site-trouble.js";
 
 export const FLEET_ORDERS = [
@@ -38,16 +39,9 @@ export function tagsOf(rows: readonly SiteSummary[]): string[] {
   return [...new Set(rows.flatMap(({ tags }) => tags))].sort((a, b) => byName.compare(a, b));
 }
 
-/** The names to show: where two sites have the same one, each says its id, too. */
-export function uniqueNames(rows: readonly SiteSummary[]): ReadonlyMap<string, string> {
-  const counts = new Map<string, number>();
-  for (const { name } of rows) counts.set(folded(name), (counts.get(folded(name)) ?? 0) + 1);
-  return new Map(rows.map(({ site, name }) => [site, (counts.get(folded(name)) ?? 0) > 1 ? `${name} (${site})` : name]));
-}
-
 /** Those that fit, under their groups by name; the ones in no group come last. */
 export function fleetGroups(rows: readonly SiteSummary[], query: FleetQuery, troubles: ReadonlyMap<string, SiteTrouble>): FleetGroup[] {
-  const words = folded(query.words).split(/\s+/).filter(Boolean);
+  const words = foldedText(query.words).split(/\s+/).filter(Boolean);
   const fitting = rows.filter((row) => (query.tag === "" || row.tags.includes(query.tag)) && fitsWords(row, words));
   const sorted = fitting.sort((a, b) => compareRows(a, b, query.order, troubles) || byName.compare(a.name, b.name) || byName.compare(a.site, b.site));
   const groups = new Map<string, SiteSummary[]>();
@@ -61,7 +55,7 @@ export function fleetGroups(rows: readonly SiteSummary[], query: FleetQuery, tro
 
 function fitsWords(row: SiteSummary, words: readonly string[]): boolean {
   if (words.length === 0) return true;
-  const text = folded([row.name, row.site, row.group, row.state, row.driver, row.online ? "online" : "offline", ...row.tags].join(" "));
+  const text = foldedText([row.name, row.site, row.group, row.state, row.driver, row.online ? "online" : "offline", ...row.tags].join(" "));
   return words.every((word) => text.includes(word));
 }
 
@@ -86,9 +80,4 @@ function troubleRank(row: SiteSummary, troubles: ReadonlyMap<string, SiteTrouble
   if (bad > 0) return 3;
   if (!row.online) return 2;
   return warn > 0 ? 1 : 0;
-}
-
-/** Letters without case and accents: who looks for "Pena" finds "Peña". */
-function folded(text: string): string {
-  return text.normalize("NFD").replaceAll(/\p{M}/gu, "").toLowerCase();
 }

@@ -11,7 +11,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import type { SiteSummary } from "../../generated/api.js";
 import { alarmsContext } from "../../state/contexts.js";
 import { NO_TROUBLE, troublesOf, type SiteTrouble } from "../../tiles/site-trouble.js";
-import { fleetGroups, FLEET_ORDERS, isFleetOrder, tagsOf, uniqueNames, type FleetGroup, type FleetQuery } from "./fleet-list.js";
+import { fleetGroups, FLEET_ORDERS, isFleetOrder, tagsOf, type FleetGroup, type FleetQuery } from "./fleet-list.js";
 import { ShownRowsController } from "./shown-rows.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/button.js";
@@ -93,7 +93,6 @@ export class FleetView extends LitElement {
   }
 
   private renderGroups(groups: readonly FleetGroup[], troubles: ReadonlyMap<string, SiteTrouble>): unknown {
-    const names = uniqueNames(this.rows);
     const { drawn, ends } = this.shown.firstOf(groups);
     const sections = drawn.map(({ group: { name, rows: all }, rows }) => {
       const heading = name !== "" ? name : groups.length > 1 ? msg("In no group") : "";
@@ -105,7 +104,7 @@ export class FleetView extends LitElement {
             ({ site }) => site,
             (row) => {
               const { bad, warn } = troubles.get(row.site) ?? NO_TROUBLE;
-              return html`<li><t-fleet-card .row=${row} name=${names.get(row.site) ?? row.name} .bad=${bad} .warn=${warn} ?plain=${row.stream === ""}></t-fleet-card></li>`;
+              return html`<li><t-fleet-card .row=${row} .bad=${bad} .warn=${warn} ?plain=${row.stream === ""}></t-fleet-card></li>`;
             },
           )}
         </ul>

@@ -4,6 +4,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { RefreshController } from "../../controllers/refresh.js";
 import { base, plainList } from "../../elements/base/base-style.js";
@@ -56,6 +57,7 @@ export class PageHome extends LitElement {
 
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly link = new ConnectionStateController(this);
   protected readonly refresh = new RefreshController(this, EVERY_MS, () => {
     // A load that failed is asked for by its button.
     if (this.sites.store?.status === "ready") void this.sites.store.load();
@@ -67,7 +69,7 @@ export class PageHome extends LitElement {
     return html`
       <div class="head">
         <h1>${msg("Sites")}</h1>
-        ${sites.list.length === 0 ? nothing : html`<p class="muted">${sitesSummary(sites)}</p>`}
+        ${sites.list.length === 0 || this.link.state === "lost" ? nothing : html`<p class="muted">${sitesSummary(sites)}</p>`}
         ${sites.list.some(({ latitude }) => latitude !== null) ? html`<a href="/map">${msg("Map of all robots")}</a>` : nothing}
         ${sites.list.length > 1 && mayOpenFleet(this.session.store?.person) ? html`<a href="/fleet">${msg("Commands and STOP for several")}</a>` : nothing}
       </div>

@@ -16,7 +16,6 @@ import type { SiteShape } from "../../generated/api.js";
 import { alarmsContext, apiContext, interlocksContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { uniqueNames } from "../home/fleet-list.js";
 import { fleetRobots } from "./fleet-robots.js";
 import "../../elements/map/geo-map.js";
 import "./map-sources.js";
@@ -79,8 +78,7 @@ export class PageMap extends LitElement {
     if (sites === undefined) return nothing;
     const only = new URLSearchParams(location.search).get("site") ?? "";
     const rows = only === "" ? sites.list : sites.list.filter(({ site }) => site === only);
-    const names = uniqueNames(sites.list);
-    const robots = fleetRobots(rows, names, troublesOf(this.alarms.store));
+    const robots = fleetRobots(rows, troublesOf(this.alarms.store));
     const zones = (this.details.value ?? []).flatMap(({ site, map: drawn }) => drawnZones(site, drawn?.zones ?? [], this.alarms.store, this.interlocks.store));
     return html`
       <h1>${msg("Map")}</h1>
@@ -97,7 +95,7 @@ export class PageMap extends LitElement {
           ${map(
             rows,
             (row) => html`<li>
-              <a href=${sitePath(row.site, "live")}>${names.get(row.site) ?? row.name}</a>
+              <a href=${sitePath(row.site, "live")}>${row.name}</a>
               <span class="muted"
                 >${row.latitude === null || row.longitude === null
                   ? msg("place not known")

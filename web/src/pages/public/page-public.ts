@@ -125,7 +125,7 @@ export class PagePublic extends LitElement {
     const online = (row?.online ?? detail.online) && this.link.state === "open";
     return html`<section aria-labelledby=${`site-${detail.site}`}>
       <div class="site">
-        <h2 id=${`site-${detail.site}`}>${detail.name}</h2>
+        <h2 id=${`site-${detail.site}`}>${row?.name ?? detail.name}</h2>
         <t-status kind=${online ? "online" : "offline"}></t-status>
         <t-clock zone=${detail.zone}></t-clock>
         ${online

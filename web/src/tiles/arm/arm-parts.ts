@@ -17,6 +17,9 @@ const FEWEST_JOINTS = 2;
 /** What a base rolls on and steers by is no arm, though it has both ends. */
 const OF_A_BASE = /wheel|steer|caster/i;
 
+/** Units of what turns. */
+const TURNS: readonly string[] = ["rad", "°"];
+
 export interface ArmParts {
   readonly device: DeviceShape;
   /** Numbers with both ends. */
@@ -33,11 +36,14 @@ export function armParts(device: DeviceShape): ArmParts | null {
   // What moves as a whole is a vehicle, whatever it carries.
   if ((device.drive !== null && (jogged.length === 0 || device.drive.ptz)) || (device.kind !== "other" && device.kind !== "vehicle")) return null;
   const joints = device.signals.filter(isJoint);
+  const jog = device.commands.find(isJog) ?? null;
   if (jogged.length === 0 && joints.length < FEWEST_JOINTS) return null;
+  // Lengths alone are what sensors of distance tell, unless something moves them.
+  if (jogged.length === 0 && jog === null && !joints.some(({ unit }) => TURNS.includes(unit))) return null;
   return {
     device,
     joints,
-    jog: device.commands.find(isJog) ?? null,
+    jog,
     poses: device.commands.filter(({ arguments: args, ros }) => args.length === 0 && ros === ""),
   };
 }

@@ -13,7 +13,7 @@ import "../../elements/base/icon.js";
 import "../../elements/feedback/loading.js";
 import { boardTileEntry } from "./board-catalog.js";
 import type { BoardTileContext, BoardTileEntry } from "./board-tile-entry.js";
-import { tileTrouble, type TileTrouble } from "./tile-trouble.js";
+import { missingNames, tileTrouble, type TileTrouble } from "./tile-trouble.js";
 
 /** What takes no longer is not worth a word, nor the elements for it in each tile. */
 const LATE_MS = 250;
@@ -48,6 +48,15 @@ export class BoardTile extends LitElement {
       h2 {
         overflow: hidden;
         color: var(--t-muted);
+        font-size: var(--t-size-s);
+        text-overflow: ellipsis;
+        white-space: nowrap;
+      }
+      .missing {
+        min-inline-size: 0;
+        margin-inline-start: auto;
+        overflow: hidden;
+        color: var(--t-warn);
         font-size: var(--t-size-s);
         text-overflow: ellipsis;
         white-space: nowrap;
@@ -131,7 +140,7 @@ export class BoardTile extends LitElement {
     if (tile === null || context === null) return nothing;
     const entry = boardTileEntry(tile.type);
     const title = tile.title || (entry === null ? tile.type : (entry.titleOf?.(tile.settings, context) ?? entry.title));
-    return html`<header><h2 id="title" title=${title}>${title}</h2></header>
+    return html`<header><h2 id="title" title=${title}>${title}</h2>${renderMissing(entry === null ? [] : missingNames(entry, tile.settings, context))}</header>
       <div class="inside" role="group" aria-labelledby="title">${this.renderInside(tile, entry, context)}</div>`;
   }
 
@@ -165,6 +174,13 @@ export class BoardTile extends LitElement {
     if (inside.scrollHeight > inside.clientHeight + 1 || inside.scrollWidth > inside.clientWidth + 1) inside.tabIndex = 0;
     else inside.removeAttribute("tabindex");
   }
+}
+
+/** Said beside the title: what is there is drawn all the same. */
+function renderMissing(names: readonly string[]): TemplateResult | typeof nothing {
+  if (names.length === 0) return nothing;
+  const what = names.join(", ");
+  return html`<span class="missing" title=${msg(str`There is no ${what} here, or your role may not see it.`)}>${msg(str`without ${what}`)}</span>`;
 }
 
 function renderNotKept({ notKept }: BoardTileEntry): TemplateResult {

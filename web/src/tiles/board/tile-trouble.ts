@@ -15,6 +15,15 @@ const CHOOSE: Readonly<Partial<Record<SettingField["kind"], string>>> = {
   streams: msg("Choose cameras"), command: msg("Choose a command"), topic: msg("Choose a topic"), extension: msg("Choose a tile"),
 };
 
+/** What it names beside others that are there, and is not: the tile is drawn without it. */
+export function missingNames(entry: BoardTileEntry, settings: TileSettings, context: BoardTileContext): readonly string[] {
+  return entry.settings.flatMap(({ key, kind }) => {
+    const list = settingList(settings, key);
+    const missing = list.filter((name) => (kind === "signals" ? findSignal(name, context) : kind === "streams" ? findStream(name, context) : name) === null);
+    return missing.length < list.length ? missing : [];
+  });
+}
+
 /** Null where it can be drawn. */
 export function tileTrouble(entry: BoardTileEntry, settings: TileSettings, context: BoardTileContext): TileTrouble | null {
   for (const field of entry.settings) {

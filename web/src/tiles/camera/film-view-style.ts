@@ -4,24 +4,7 @@ import { css } from "lit";
 
 export const filmViewStyle = css`
   :host {
-    display: grid;
-    position: relative;
-    overflow: hidden;
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: #000;
-    aspect-ratio: 4 / 3;
-    min-inline-size: 0;
     container-type: inline-size;
-  }
-  video,
-  canvas {
-    position: absolute;
-    inset: 0;
-    inline-size: 100%;
-    block-size: 100%;
-    object-fit: contain;
-    filter: var(--t-picture-filter, none);
   }
   video[hidden],
   canvas[hidden] {

@@ -13,7 +13,7 @@ import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { momentText } from "../../elements/chart/cursor-values.js";
-import { onPicture } from "../../elements/camera/picture-overlay.js";
+import { onPicture, pictureFrame } from "../../elements/camera/picture-overlay.js";
 import { formatNumber } from "../../format/number.js";
 import { formatClock, knownZone } from "../../format/time.js";
 import { apiContext } from "../../state/contexts.js";
@@ -51,6 +51,7 @@ export class FilmView extends LitElement {
   static override styles = [
     base,
     onPicture,
+    pictureFrame,
     filmViewStyle,
   ];
 

@@ -4,7 +4,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base, quietText } from "../../elements/base/base-style.js";
-import { onPicture } from "../../elements/camera/picture-overlay.js";
+import { onPicture, pictureFrame } from "../../elements/camera/picture-overlay.js";
 import { filmPath } from "../../wire/films-api.js";
 import type { FilmShape } from "../../generated/api.js";
 import "../../elements/base/icon.js";
@@ -14,26 +14,8 @@ export class SightingClip extends LitElement {
   static override styles = [
     base,
     onPicture,
+    pictureFrame,
     css`
-      :host {
-        display: grid;
-        position: relative;
-        overflow: hidden;
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: #000;
-        aspect-ratio: 4 / 3;
-        min-inline-size: 0;
-      }
-      video,
-      img {
-        position: absolute;
-        inset: 0;
-        inline-size: 100%;
-        block-size: 100%;
-        object-fit: contain;
-        filter: var(--t-picture-filter, none);
-      }
       .veil {
         background: var(--t-raised);
         ${quietText}

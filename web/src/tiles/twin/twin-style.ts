@@ -21,7 +21,7 @@ export const twinStyle = css`
   }
   .values {
     display: grid;
-    grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr));
+    grid-template-columns: repeat(auto-fill, minmax(min(11rem, 100%), 1fr));
     gap: var(--t-space-3);
   }
   .columns {

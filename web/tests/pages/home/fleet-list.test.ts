@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { SiteSummary } from "../../../src/generated/api.js";
-import { fleetGroups, tagsOf, uniqueNames } from "../../../src/pages/home/fleet-list.js";
+import { fleetGroups, tagsOf } from "../../../src/pages/home/fleet-list.js";
 import { fleetRobots } from "../../../src/pages/map/fleet-robots.js";
 import { placeText } from "../../../src/tiles/site-glance.js";
 import { troublesOf } from "../../../src/tiles/site-trouble.js";
@@ -41,10 +41,6 @@ describe("many sites", () => {
     expect(sites(heard, { ...ALL, order: "heard" })).toEqual(["now", "new", "old"]);
   });
 
-  test("have unique names: those that share one say their id", () => {
-    expect([...uniqueNames([row("a", { name: "Rover" }), row("b", { name: "rover" }), row("c", { name: "Dome" })]).values()]).toEqual(["Rover (a)", "rover (b)", "Dome"]);
-  });
-
   test("are sorted in a moment, a thousand of them", () => {
     const rows = Array.from({ length: 1000 }, (_, i) => row(`site${String(i)}`, { group: `G${String(i % 20)}`, tags: ["t"] }));
     const began = performance.now();
@@ -61,8 +57,8 @@ test("alarms count until somebody settles them, and shelved ones do not", () => 
 });
 
 test("a robot that is away, or only described, is drawn as old; where nothing is known it is left out", () => {
-  const rows = [row("live", { latitude: 1, longitude: 2, moving: true, heading: 30 }), row("site", { latitude: 3, longitude: 4 }), row("nowhere")];
-  const robots = fleetRobots(rows, new Map([["live", "Live one"]]), new Map([["live", { bad: 0, warn: 1 }]]));
+  const rows = [row("live", { name: "Live one", latitude: 1, longitude: 2, moving: true, heading: 30 }), row("site", { latitude: 3, longitude: 4 }), row("nowhere")];
+  const robots = fleetRobots(rows, new Map([["live", { bad: 0, warn: 1 }]]));
   expect(robots.map(({ id, name, stale, trouble, heading }) => [id, name, stale, trouble, heading])).toEqual([["live", "Live one", false, "warn", 30], ["site", "site", true, "", Number.NaN]]);
 });
 

@@ -35,6 +35,12 @@ describe("an arm is known by what it has", () => {
     expect(armParts({ ...ARM, signals: [joint("steering_left_position"), joint("steering_right_position"), joint("caster")] })).toBeNull();
   });
 
+  test("sensors of distance have both ends, and are no arm, unless a jog moves what they tell", () => {
+    const sensors = ["left", "front", "right"].map((id) => joint(id, { unit: "m", minimum: 0, maximum: 4 }));
+    expect(armParts({ ...ARM, signals: sensors, commands: [] })).toBeNull();
+    expect(armParts({ ...ARM, signals: sensors })?.joints).toHaveLength(3);
+  });
+
   test("one joint makes no arm, and what drives or is an instrument is none", () => {
     expect(armParts({ ...ARM, signals: [joint("valve")] })).toBeNull();
     expect(armParts({ ...ARM, kind: "telescope" })).toBeNull();

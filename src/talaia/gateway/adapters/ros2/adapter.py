@@ -23,7 +23,7 @@ from rclpy.context import Context
 from talaia.gateway.adapters.arrival_times import Arrivals
 from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
-from talaia.gateway.adapters.ros2.graph_node import join_graph, wait_sets_of
+from talaia.gateway.adapters.ros2.graph_node import join_graph, pacer_of, wait_sets_of
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
 from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
@@ -76,10 +76,8 @@ class Ros2Adapter:
         """Take what is to be served and where things go; `run` joins ROS."""
         settings = scope.connection
         assert isinstance(settings, Ros2Connection)  # noqa: S101 - the catalog has seen to it
-        self._scope = scope
-        self._status = status
-        self._clock = context.clock
-        self._samples = context.samples
+        self._scope, self._status = scope, status
+        self._clock, self._samples = context.clock, context.samples
         self._pictures, self._events = context.pictures, context.events
         self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
@@ -145,6 +143,10 @@ class Ros2Adapter:
         if self._thread is not None:
             self._thread.run_soon(self._update_subscriptions)
 
+    def shorten_turns(self, *, wanted: bool) -> None:
+        """See `PacedAdapter.shorten_turns`."""
+        self._source.shorten_turns(wanted=wanted)
+
     def tap_topics(self, topics: frozenset[str]) -> None:
         """See `TopicSource.tap_topics`."""
         self._source.tap_topics(topics)
@@ -195,8 +197,7 @@ class Ros2Adapter:
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
-        thread = self._thread
-        if thread is None:
+        if (thread := self._thread) is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
         else:
             thread.run_soon(lambda: self._rejoin(device, done))
@@ -208,13 +209,13 @@ class Ros2Adapter:
         with self._number.held():
             self._node = join_graph(self._node_name, context, self._domain)
         self._number.mark_used()
-        guard = self._node.create_guard_condition(lambda: None)
         thread = WaitThread(
             make_wait_set=wait_sets_of(context),
-            guard=guard.handle,
+            guard=self._node.create_guard_condition(lambda: None).handle,
             after=self._after,
             idle=self._on_idle,
             failed=fail,
+            paced=pacer_of(context),
         )
         heard_ns: dict[str, int] = {}
         self._worker = PictureWorker(self._pictures, self._clock)
@@ -337,8 +338,7 @@ class Ros2Adapter:
         for plan in (*self._plans, *own):
             if plan.thins:
                 held = plan.take_due(now_us, self._gathered) or held
-        columns = self._gathered.take_columns()
-        if columns is not None:
+        if (columns := self._gathered.take_columns()) is not None:
             self._samples.put_samples(columns)
         self._arrivals.mark_awake(self._clock.monotonic_ns())
         return held

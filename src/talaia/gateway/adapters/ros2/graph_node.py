@@ -13,7 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["join_graph", "wait_sets_of"]
+__all__ = ["join_graph", "pacer_of", "wait_sets_of"]
 
 
 def join_graph(name: str, context: Any, domain: int | None) -> Any:  # noqa: ANN401 - rclpy ships no types
@@ -51,3 +51,9 @@ def wait_sets_of(context: Any) -> Callable[[int, int], Any]:  # noqa: ANN401
         return rclpy_implementation.WaitSet(subscriptions, 1, 0, clients, 0, 0, context.handle)
 
     return make
+
+
+def pacer_of(context: Any) -> Callable[[float], None] | None:  # noqa: ANN401
+    """Give what is told how long turns are (s), where another process takes the messages."""
+    # rclpy's own context has none: there nobody is between the robot and the wait set.
+    return getattr(context, "shorten_turns", None)

@@ -15,6 +15,7 @@ from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.type_definitions.definition_text import definition_text
 from talaia.gateway.adapters.ros2.type_definitions.installed_package import installed_definition
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import hash_of
+from talaia.gateway.samples.flush_pace import SOON_S
 from talaia.gateway.tap_ports import ListedTopic, TopicDefinition
 
 if TYPE_CHECKING:
@@ -42,7 +43,10 @@ _TAPPED_PACE_S = 0.002
 
 
 class Ros2TopicSource:
-    """A `TopicSource`: the taps of an adapter, whether or not ROS is joined just now."""
+    """A `TopicSource`: the taps of an adapter, whether or not ROS is joined just now.
+
+    It also says how long the turns of the adapter's thread are, by who looks.
+    """
 
     def __init__(self, sink: TapSink | None, clock: Clock, arrivals: Arrivals) -> None:
         """Take who is told; with none nothing is listed and nothing heard."""
@@ -55,12 +59,16 @@ class Ros2TopicSource:
         self._taps: Ros2Taps | None = None
         self._thread: WaitThread | None = None
         self._turn = 0
+        # Somebody looks at signals that are read by the same thread.
+        self._hurried = False
         # Replaced, so any thread may read it; the reader is made and let go as `_taps` is.
         self._graph_wanted = False
         self._graph: GraphReader | None = None
 
     def join(self, node: Any, thread: WaitThread, types: TopicTypes) -> None:  # noqa: ANN401
         """Begin with a node; its thread does not run yet."""
+        self._thread = thread
+        thread.run_soon(self._hurry)
         if self._sink is not None:
             find_class, complain = types.class_for, self._sink.report_problem
             self._taps = Ros2Taps(
@@ -71,7 +79,6 @@ class Ros2TopicSource:
                 clock=self._clock,
                 arrivals=self._arrivals,
             )
-            self._thread = thread
             self._graph = GraphReader(node, thread, self._sink)
 
     def leave(self) -> None:
@@ -80,6 +87,13 @@ class Ros2TopicSource:
         self._graph = None
         if taps is not None:
             taps.close()
+
+    def shorten_turns(self, *, wanted: bool) -> None:
+        """See `PacedAdapter.shorten_turns`; on the event loop."""
+        if wanted != self._hurried:
+            self._hurried = wanted
+            if self._thread is not None:
+                self._thread.run_soon(self._hurry)
 
     def tap_topics(self, topics: frozenset[str]) -> None:
         """See `TopicSource.tap_topics`; on the event loop."""
@@ -113,10 +127,14 @@ class Ros2TopicSource:
         if self._graph is not None and self._graph_wanted and self._turn % _NODES_EVERY == 0:
             self._graph.read_nodes()
 
+    def _hurry(self) -> None:
+        if self._thread is not None:
+            self._thread.shorten_turns("signals", SOON_S if self._hurried else PACE_S)
+
     def _update(self, *, everything: bool = True) -> None:
         if self._taps is not None and self._thread is not None:
             heard = self._taps.want_topics(self._wanted, everything=everything)
-            self._thread.pace_s = _TAPPED_PACE_S if heard else PACE_S
+            self._thread.shorten_turns("taps", _TAPPED_PACE_S if heard else PACE_S)
 
 
 class Ros2Taps:

@@ -1,19 +1,24 @@
-"""WebSockets as uvicorn serves them; a large message lets others pass between its pieces."""
+"""WebSockets as uvicorn serves them; a large message lets others pass between its pieces.
+
+A frame that is written once for many is written to each at once, by an extension of ASGI.
+"""
 
 from __future__ import annotations
 
 import asyncio
-import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from uvicorn.protocols.utils import ClientDisconnected
 from websockets.exceptions import InvalidState
 from websockets.protocol import State
 
 from talaia.bounded_http import EndingSocketProtocol
+from talaia.hub.live.pages.page_transport import FRAME_WRITER
+from talaia.wire.socket_frame import SocketFrame
 
 if TYPE_CHECKING:
     from uvicorn._types import ASGISendEvent
+    from websockets.http11 import Request
 
     from talaia.hub.api.server.proxy_protocol import Asker
 
@@ -23,8 +28,6 @@ __all__ = ["LARGEST_PIECE", "HubSocketProtocol"]
 # ms of the one loop, in which no driving frame of anybody goes on. What is encrypted stays in the
 # processor's cache, too.
 LARGEST_PIECE = 64 * 1024
-_FINAL_BINARY = 0x82
-_MIDDLE, _LONG = struct.Struct("!BBH"), struct.Struct("!BBQ")
 
 
 class HubSocketProtocol(EndingSocketProtocol):
@@ -46,11 +49,31 @@ class HubSocketProtocol(EndingSocketProtocol):
         super().connection_made(transport)
         self.client = self._asker or self.client
 
+    def handle_connect(self, event: Request) -> None:
+        """Offer the application what ASGI itself has no word for."""
+        super().handle_connect(event)
+        # One that is refused by uvicorn has no scope.
+        if self.handshake_initiated and not self.close_sent:
+            extensions = cast("dict[str, Any]", self.scope["extensions"])
+            extensions[FRAME_WRITER] = {"write": self.write_frame}
+
+    def write_frame(self, frame: SocketFrame) -> bool:
+        """Write a frame, of which others may get the same bytes; never waits.
+
+        False: nothing is written, since something stands before it, the other side does not read
+        as fast as it is sent, or it is none for a single frame. It is then to be sent as ASGI has
+        it.
+        """
+        if not self._may_write_at_once(len(frame)):
+            return False
+        self.transport.write(frame.framed)
+        return True
+
     async def send(self, message: ASGISendEvent) -> None:
         """Send a message, as ASGI has it."""
         data = message.get("bytes") if message["type"] == "websocket.send" else None
         if isinstance(data, bytes) and self._may_write_at_once(len(data)):
-            self.transport.write(_frame_head(len(data)) + data)
+            self.transport.write(SocketFrame(data).framed)
             return
         if not isinstance(data, bytes) or len(data) <= LARGEST_PIECE:
             if self.writable.is_set() and not self._turn.locked():
@@ -78,6 +101,7 @@ class HubSocketProtocol(EndingSocketProtocol):
             and not self.disconnected
             and self.conn.state is State.OPEN
             and not self.conn.extensions
+            and not self.transport.is_closing()
         )
 
     async def _send_pieces(self, data: memoryview) -> None:
@@ -109,12 +133,3 @@ class HubSocketProtocol(EndingSocketProtocol):
             raise ClientDisconnected from None
         self.transport.write(b"".join(self.conn.data_to_send()))
         return end
-
-
-def _frame_head(size: int) -> bytes:
-    """Give what stands before an unmasked, final binary frame of ``size`` bytes (RFC 6455, 5.2)."""
-    if size < 126:
-        return bytes((_FINAL_BINARY, size))
-    if size < 65_536:
-        return _MIDDLE.pack(_FINAL_BINARY, 126, size)
-    return _LONG.pack(_FINAL_BINARY, 127, size)

@@ -60,6 +60,7 @@ __all__ = ["BoardPages"]
 # Between the site and the board of a description; no name of either has one.
 _COLON = ":"
 _UNKNOWN = "there is no such board"
+_SHARING = "to share a board takes the right use at its site; other roles take an admin"
 
 
 class BoardPages:
@@ -199,6 +200,14 @@ class BoardPages:
     async def _save(
         self, kept: KeptBoard, board: Board, *, base: int, note: str, request: Request
     ) -> BoardSaved:
+        # Of another site other people see it: it is shared with them by this.
+        moved = kept.subject._replace(site=board.site)
+        if (
+            moved.share is BoardShare.VIEW
+            and moved != kept.subject
+            and not may_share(who_of(request), moved, BoardShare.VIEW, "")
+        ):
+            raise ApiProblem(403, "forbidden", _SHARING)
         number = await self._boards.save_version(
             kept, board, base=base, who=who_of(request).name, note=note
         )
@@ -213,8 +222,7 @@ class BoardPages:
         self, kept: KeptBoard, share: BoardShare, role: str, request: Request
     ) -> None:
         if not may_share(who_of(request), kept.subject, share, role):
-            problem = "to share a board takes the right use at its site; other roles take an admin"
-            raise ApiProblem(403, "forbidden", problem)
+            raise ApiProblem(403, "forbidden", _SHARING)
         await self._boards.share_board(kept, share, role)
         whom = f"role {role}" if share is BoardShare.ROLE else share.value
         said = f"{kept.name} ({kept.key}) with: {whom}"

@@ -14,18 +14,19 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
-from pcodec import ChunkConfig, standalone
+from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from talaia.hub.history.errors import HistoryError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 __all__ = [
     "EMPTY",
     "BlockSamples",
     "concatenate_samples",
     "decode_block",
+    "decode_run",
     "decode_values",
     "encode_block",
     "in_order",
@@ -37,6 +38,8 @@ _HEAD = struct.Struct("<BI")
 _LENGTH = struct.Struct("<I")
 # Level 4 is the knee: above it, time grows and size hardly shrinks.
 _CONFIG = ChunkConfig(compression_level=4)
+# As a row of the journal is packed: nothing is tried.
+_QUICK_CONFIG = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.try_consecutive(1))
 _TEXTS = msgspec.msgpack.Decoder(dict[int, str])
 HOUR_US = 3_600_000_000
 # A pause so many times the usual step (and over an hour) ends a block.
@@ -67,8 +70,9 @@ class BlockSamples(NamedTuple):
         """Keep these positions, in this order, each at most once."""
         texts: dict[int, str] = {}
         if self.texts:
-            place = {int(old): new for new, old in enumerate(positions)}
-            texts = {place[p]: text for p, text in self.texts.items() if p in place}
+            place = np.full(self.time_us.size, -1, np.intp)
+            place[positions] = np.arange(positions.size)
+            texts = {int(place[p]): text for p, text in self.texts.items() if place[p] >= 0}
         return BlockSamples(self.time_us[positions], self.value[positions], texts)
 
 
@@ -121,10 +125,11 @@ def split_blocks(samples: BlockSamples, block: int) -> Iterator[BlockSamples]:
             )
 
 
-def encode_block(samples: BlockSamples) -> bytes:
-    """Compress samples, in the order given."""
-    times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), _CONFIG)
-    values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), _CONFIG)
+def encode_block(samples: BlockSamples, *, is_kept: bool = True) -> bytes:
+    """Compress samples, in the order given; less, in less time, what is not kept for long."""
+    config = _CONFIG if is_kept else _QUICK_CONFIG
+    times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), config)
+    values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), config)
     texts = msgspec.msgpack.encode(samples.texts) if samples.texts else b""
     return b"".join(
         (_HEAD.pack(VERSION, len(times)), times, _LENGTH.pack(len(values)), values, texts)
@@ -145,6 +150,36 @@ def decode_block(body: bytes) -> BlockSamples:
         return BlockSamples(time_us, value, _TEXTS.decode(texts) if texts else {})
     except (struct.error, RuntimeError, msgspec.DecodeError) as error:
         raise _damaged_block(body, error) from error
+
+
+def decode_run(bodies: Sequence[bytes], sizes: Sequence[int]) -> BlockSamples | None:
+    """Turn blocks that follow each other into samples in one piece of memory.
+
+    Args:
+        bodies: of the blocks.
+        sizes: how many samples each holds.
+
+    Returns:
+        None where one of them is no block of so many numbers, or holds texts.
+
+    """
+    total = sum(sizes)
+    time_us, value = np.empty(total, np.int64), np.empty(total, np.float64)
+    first = 0
+    try:
+        for body, size in zip(bodies, sizes, strict=True):
+            times, values, texts = _split_sections(body)
+            if texts:
+                return None
+            past = first + size
+            for section, column in ((times, time_us), (values, value)):
+                done = standalone.simple_decompress_into(section, column[first:past])
+                if done.n_processed != size or not done.finished:
+                    return None
+            first = past
+    except (struct.error, RuntimeError, HistoryError):
+        return None
+    return BlockSamples(time_us, value, {})
 
 
 def decode_values(body: bytes) -> NDArray[np.float64]:

@@ -1,5 +1,7 @@
 """A batch as one row of the hot journal: few bytes, quick to write and to read back.
 
+Long, because all ways in which a batch may stand there are read together.
+
 All numbers are little-endian. A small batch's body is: version 1 (u8), bytes of a time offset
 (u8: 4 or 8), count (u32), base time (i64, µs), then the columns channel (u16, index into the
 catalogue), offset and value (f64), and then, if there are any, the texts as MessagePack.
@@ -12,26 +14,39 @@ length of the values (u32), the values (both `pcodec`), and the texts as before.
 
 With many channels of few samples each, the channels and their counts would be most of it. Then the
 body is of version 3, whose channels and counts are compressed like the times, with their lengths.
+
+Rows of version 3 that follow each other are made one of version 4, in the order in which samples
+came: the head as in version 2 with zero channels, each sample's channel, the times and the values,
+each compressed and with its length, and the texts.
 """
 
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import MAX_SPAN_US, Columns
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Sequence
 
-__all__ = ["part_of", "read_row", "write_row"]
+__all__ = [
+    "MANY_CHANNELS",
+    "JournalSamples",
+    "merge_columns",
+    "part_of",
+    "read_row",
+    "read_rows",
+    "write_row",
+]
 
-PLAIN, PACKED, MANY_CHANNELS = 1, 2, 3
+PLAIN, PACKED, MANY_CHANNELS, MERGED = 1, 2, 3, 4
 # Below this, compressing takes longer than it saves.
 _WORTH = 128
 # From so many channels on, compressing their numbers saves more bytes than its two calls add.
@@ -40,6 +55,8 @@ _MANY = 64
 # better: values as they are, times by their steps, nothing else tried.
 _VALUES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.no_op())
 _TIMES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.try_consecutive(1))
+# A merged row stays for long, and nobody waits for it.
+_MERGED = ChunkConfig(compression_level=4)
 _LENGTH = struct.Struct("<I")
 _HEAD = struct.Struct("<BBIq")
 _TEXTS = msgspec.msgpack.Decoder(dict[int, str])
@@ -74,12 +91,14 @@ def read_row(body: bytes) -> Columns:
     """
     try:
         version, size, count, base = _HEAD.unpack_from(body)
+        if version == MERGED and size == 0:
+            return _unpack_merged(body, count)
         if version in (PACKED, MANY_CHANNELS) and size == 0:
             return _unpack_columns(body, count, base, packed=version == MANY_CHANNELS)
         if version != PLAIN or size not in (4, 8):
             raise HistoryError(
-                f"a journal row has version {version}, this program reads {PLAIN}, {PACKED} "
-                f"and {MANY_CHANNELS}",
+                f"a journal row has version {version}, this program reads {PLAIN}, {PACKED}, "
+                f"{MANY_CHANNELS} and {MERGED}",
                 "open the database with the program that wrote it, or a newer one",
             )
         at = _HEAD.size
@@ -94,6 +113,120 @@ def read_row(body: bytes) -> Columns:
     except (struct.error, ValueError, RuntimeError) as error:  # msgspec's errors are ValueErrors
         raise HistoryError(f"a journal row of {len(body)} bytes is damaged: {error}") from error
     return Columns(channel, offset.astype(np.int64) + base, value, texts)
+
+
+def merge_columns(parts: Sequence[Columns]) -> bytes:
+    """Pack batches one after the other, as one; each has at least one sample."""
+    whole = _join_columns(parts)
+    columns = (whole.channel.astype(np.uint16, copy=False), whole.time_us, whole.value)
+    head = _HEAD.pack(MERGED, 0, len(whole), 0)
+    packed = [_with_length(standalone.simple_compress(column, _MERGED)) for column in columns]
+    return b"".join((head, *packed, msgspec.msgpack.encode(whole.texts) if whole.texts else b""))
+
+
+def _unpack_merged(body: bytes, count: int) -> Columns:
+    at = _HEAD.size
+    channels, at = _read_compressed(body, at)
+    times, at = _read_compressed(body, at)
+    values, at = _read_compressed(body, at)
+    if (channels.size, times.size, values.size) != (count, count, count):
+        raise ValueError(f"its columns have not {count} rows")
+    return Columns(
+        channels.astype(np.uint16, copy=False),
+        times.astype(np.int64, copy=False),
+        values.astype(np.float64, copy=False),
+        _TEXTS.decode(body[at:]) if len(body) > at else {},
+    )
+
+
+class JournalSamples(NamedTuple):
+    """The samples of many rows, one row after the other.
+
+    Attributes:
+        columns: of all rows; n samples.
+        sizes: how many each row has, of shape (rows,); 0 for a damaged one.
+        damaged: what is wrong with a row, by its place among the rows.
+
+    """
+
+    columns: Columns
+    sizes: NDArray[np.int64]
+    damaged: dict[int, HistoryError]
+
+
+def read_rows(bodies: Sequence[bytes]) -> JournalSamples:
+    """Unpack many batches: small ones together, for each alone takes longer than its samples."""
+    sizes = np.zeros(len(bodies), np.int64)
+    damaged: dict[int, HistoryError] = {}
+    parts: list[Columns] = []
+    plain = _PlainRows()
+    for at, body in enumerate(bodies):
+        count = plain.add_row(body)
+        if not count:
+            # It is read by itself, and stands behind those before it.
+            parts.append(plain.read_columns())
+            plain = _PlainRows()
+            try:
+                part = read_row(body)
+            except HistoryError as error:
+                damaged[at] = error
+                continue
+            parts.append(part)
+            count = len(part)
+        sizes[at] = count
+    return JournalSamples(_join_columns([*parts, plain.read_columns()]), sizes, damaged)
+
+
+class _PlainRows:
+    """Rows of the commonest kind: a few numbers with times that are near to each other."""
+
+    def __init__(self) -> None:
+        self._counts: list[int] = []
+        self._bases: list[int] = []
+        # The three columns of each.
+        self._channels: list[bytes] = []
+        self._offsets: list[bytes] = []
+        self._values: list[bytes] = []
+
+    def add_row(self, body: bytes) -> int:
+        """Take a row and give its number of samples; 0 if it is of another kind, or damaged."""
+        if len(body) <= _HEAD.size:
+            return 0
+        version, size, count, base = _HEAD.unpack_from(body)
+        offsets = _HEAD.size + 2 * count
+        values = offsets + 4 * count
+        if version != PLAIN or size != 4 or len(body) != values + 8 * count:
+            return 0
+        self._counts.append(count)
+        self._bases.append(base)
+        self._channels.append(body[_HEAD.size : offsets])
+        self._offsets.append(body[offsets:values])
+        self._values.append(body[values:])
+        return int(count)
+
+    def read_columns(self) -> Columns:
+        """Give the samples of all."""
+        base = np.repeat(np.array(self._bases, np.int64), self._counts)
+        return Columns(
+            np.frombuffer(b"".join(self._channels), "<u2"),
+            np.frombuffer(b"".join(self._offsets), "<i4") + base,
+            np.frombuffer(b"".join(self._values), "<f8"),
+            {},
+        )
+
+
+def _join_columns(parts: Sequence[Columns]) -> Columns:
+    texts: dict[int, str] = {}
+    at = 0
+    for part in parts:
+        texts.update({at + position: text for position, text in part.texts.items()})
+        at += len(part)
+    return Columns(
+        np.concatenate([part.channel for part in parts]),
+        np.concatenate([part.time_us for part in parts]),
+        np.concatenate([part.value for part in parts]),
+        texts,
+    )
 
 
 def _pack_columns(columns: Columns) -> bytes:

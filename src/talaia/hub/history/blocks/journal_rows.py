@@ -54,6 +54,14 @@ class JournalRows:
         """Give the highest number of the ``count`` oldest, which must be there."""
         return self._ids[self._gone + count - 1]
 
+    def merge_rows(self, first: int, last: int) -> None:
+        """Put one row in the place of those from ``first`` to ``last``, under the last number."""
+        begin = bisect_left(self._ids, first, self._gone)
+        end = bisect_left(self._ids, last + 1, self._gone)
+        together = sum(self._sizes[begin:end])
+        self._ids[begin:end] = array("q", [last])
+        self._sizes[begin:end] = array("I", [together])
+
     def forget_rows(self, last: int) -> None:
         """Forget those up to the number ``last``."""
         end = bisect_left(self._ids, last + 1, self._gone)

@@ -42,11 +42,13 @@ def stored_channels(
     names, tails = ledger.names, ledger.tails
     # Memory before the database, as for every reading.
     before = tails.block
-    held = {
-        address: (channel, tails.channel_snapshot(channel))
+    wanted = {
+        address: channel
         for (owner, address), channel in sorted(names.channels.copy().items())
         if owner == site and address not in left_out
     }
+    snapshots = tails.channel_snapshots(wanted.values())
+    held = {address: (channel, snapshots[channel]) for address, channel in wanted.items()}
     block = tables.block
     query = (
         select(

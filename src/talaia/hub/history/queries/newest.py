@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import select
@@ -14,7 +13,7 @@ from talaia.hub.history.queries.window import (
     kept_bodies,
     overlapping_of_channels,
 )
-from talaia.hub.history.queries.window_query import window_of
+from talaia.hub.history.queries.window_query import windows_of
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -57,17 +56,15 @@ def read_newest(
     asked = list(_look_into_memory(ledger, site, addresses, to_us))
     found = {}
     with engine.begin() as connection:
-        # What is in memory was looked at before: blocks that were sealed since are left out, and
-        # how far that goes may differ between channels.
-        for _, same in groupby(asked, key=lambda one: one.window.before_block):
-            together = list(same)
-            for first in range(0, len(together), _AT_ONCE):
-                some = together[first : first + _AT_ONCE]
-                blocks = _newest_blocks(connection, cache, some)
-                for one in some:
-                    last = _last_of([*blocks.get(one.window.channel, []), one.tail])
-                    if last is not None:
-                        found[one.address] = last
+        # What is in memory was looked at before, of all at one moment: blocks that were sealed
+        # since are left out.
+        for first in range(0, len(asked), _AT_ONCE):
+            some = asked[first : first + _AT_ONCE]
+            blocks = _newest_blocks(connection, cache, some)
+            for one in some:
+                last = _last_of([*blocks.get(one.window.channel, []), one.tail])
+                if last is not None:
+                    found[one.address] = last
     return found
 
 
@@ -86,8 +83,8 @@ def _last_of(parts: Sequence[BlockSamples]) -> tuple[int, float, str] | None:
 def _look_into_memory(
     ledger: BlockIndex, site: str, addresses: Sequence[str], to_us: int
 ) -> Iterator[_Asked]:
-    for address in addresses:
-        known = window_of(ledger, site=site, address=address, from_us=-FARTHEST_US, to_us=to_us)
+    found = windows_of(ledger, site=site, addresses=addresses, from_us=-FARTHEST_US, to_us=to_us)
+    for address, known in zip(addresses, found, strict=True):
         if known is not None:
             window, held = known
             tail = in_order(held).between_times(window.from_us, window.to_us)

@@ -37,7 +37,7 @@ from talaia.hub.history.queries.window import (
     overlapping_blocks,
     read_samples,
 )
-from talaia.hub.history.queries.window_query import window_of
+from talaia.hub.history.queries.window_query import windows_of
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -85,13 +85,10 @@ class Reader:
         steps: Collection[str] = (),
     ) -> list[Series]:
         """Read a window of several channels; see `HistoryStore.read_series`."""
-        asked = [
-            (
-                address,
-                window_of(self._ledger, site=site, address=address, from_us=from_us, to_us=to_us),
-            )
-            for address in addresses
-        ]
+        windows = windows_of(
+            self._ledger, site=site, addresses=addresses, from_us=from_us, to_us=to_us
+        )
+        asked = list(zip(addresses, windows, strict=True))
         with self._engine.begin() as connection:
             gaps = gaps_of(connection, site, *_clamp_window(from_us, to_us))
             listed = list_together(

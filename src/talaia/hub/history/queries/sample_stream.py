@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import and_, or_, select
 
 from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate_samples, in_order
+from talaia.hub.history.queries.block_run import read_run
 from talaia.hub.history.queries.window import FARTHEST_US, read_blocks
 from talaia.hub.history.queries.window_query import window_of
 from talaia.hub.store import history_tables as tables
@@ -59,7 +60,7 @@ def stream_samples(
         more = True
         while more:
             query = (
-                select(_block.c.id, _block.c.first_us)
+                select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
                 .where(
                     *window.overlap_conditions(),
                     or_(
@@ -72,11 +73,21 @@ def stream_samples(
             )
             with engine.begin() as connection:
                 rows = connection.execute(query).all()
-                read = read_blocks(connection, [row.id for row in rows[:AT_ONCE]])
-            more = len(rows) > AT_ONCE
-            past_us = rows[AT_ONCE].first_us if more else FARTHEST_US + 1
+                more = len(rows) > AT_ONCE
+                past_us = rows[AT_ONCE].first_us if more else FARTHEST_US + 1
+                until_us = min([past_us, *(int(held.time_us[0]) for held in waiting.values())])
+                to_us = min(window.to_us, until_us - 1)
+                ready = read_run(connection, rows[:AT_ONCE], window.from_us, to_us)
+                read = {}
+                if ready is None:
+                    read = read_blocks(connection, [row.id for row in rows[:AT_ONCE]])
             if more:
                 after = (rows[AT_ONCE - 1].first_us, rows[AT_ONCE - 1].id)
+            if ready is not None and more and until_us == past_us:
+                yield SampleChunk(ready, max(past_us, window.from_us))
+                continue
+            if ready is not None:
+                waiting[rows[0].id] = ready
             for number, samples in read.items():
                 waiting[number] = samples.between_times(window.from_us, window.to_us)
             ready, waiting = _split_waiting(waiting, past_us)

@@ -25,7 +25,7 @@ from talaia.hub.history.queries.window import (
     read_blocks,
     read_samples,
 )
-from talaia.hub.history.queries.window_query import window_of
+from talaia.hub.history.queries.window_query import windows_of
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -91,10 +91,8 @@ def read_statistics(
     to_us: int,
 ) -> list[Statistics]:
     """Sum up a window of several channels; see `HistoryStore.read_statistics`."""
-    asked = [
-        (address, window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us))
-        for address in addresses
-    ]
+    windows = windows_of(ledger, site=site, addresses=addresses, from_us=from_us, to_us=to_us)
+    asked = list(zip(addresses, windows, strict=True))
     with engine.begin() as connection:
         # Gaps are of the site (its link), not of a channel: once for all that were asked.
         gap_us = covered_us(gaps_of(connection, site, from_us, to_us), from_us, to_us)

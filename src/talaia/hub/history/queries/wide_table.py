@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -59,6 +60,10 @@ def join_channels(flows: Sequence[Iterator[SampleChunk]]) -> Iterator[Rows]:
 
 def _join_parts(parts: list[BlockSamples]) -> Rows:
     times = [part.time_us for part in parts]
+    shared = _shared_times(times)
+    if shared is not None:
+        whole, none = _all_places(shared.size), np.empty(0, np.intp)
+        return Rows(shared, [whole if own_times.size else none for own_times in times], parts)
     turns = [_repeat_counts(own_times) for own_times in times]
     most = max(int(turn.max(initial=0)) for turn in turns)
     moments, places = _merge_sorted(times)
@@ -68,6 +73,25 @@ def _join_parts(parts: list[BlockSamples]) -> Rows:
     keys = [place * (most + 1) + turn for place, turn in zip(places, turns, strict=True)]
     rows, places = _merge_sorted(keys)
     return Rows(moments[rows // (most + 1)], places, parts)
+
+
+@lru_cache(2)
+def _all_places(size: int) -> NDArray[np.intp]:
+    # Pieces of a file are of one size, but for the last.
+    places = np.arange(size)
+    places.flags.writeable = False
+    return places
+
+
+def _shared_times(times: Sequence[NDArray[np.int64]]) -> NDArray[np.int64] | None:
+    """Give the times of all channels that have any; None where these differ.
+
+    One signal has only its own, and those of one message have the same: there is nothing to merge.
+    """
+    first, *others = [own_times for own_times in times if own_times.size]
+    if all(np.array_equal(own_times, first) for own_times in others):
+        return first
+    return None
 
 
 def _merge_sorted(

@@ -86,17 +86,28 @@ class Recent:
         self._pending[chosen] = False
         self._turn[chosen] = self._turns
         self._written_us[chosen] = self._time_us[chosen]
-        rows = []
+        channels = chosen.tolist()
+        words = self._write_texts(channels)
         times, values = self._time_us[chosen].tolist(), to_cells(self._value[chosen])
-        for channel, time_us, value in zip(chosen.tolist(), times, values, strict=True):
+        return [
+            {"time_us": time_us, "channel_id": channel, "value": value, "text": words.get(channel)}
+            for time_us, channel, value in zip(times, channels, values, strict=True)
+        ]
+
+    def _write_texts(self, channels: list[int]) -> dict[int, str]:
+        """Give the texts of channels that are written now, as a database keeps them."""
+        # Most hubs have few channels that say words, or none.
+        if not self._texts and not self._written_texts:
+            return {}
+        words = {}
+        for channel in channels:
             text = self._texts.get(channel, "")
             if text:
                 self._written_texts[channel] = text
+                words[channel] = text.replace("\0", "�")
             else:
                 self._written_texts.pop(channel, None)
-            words = text.replace("\0", "�") or None
-            rows.append({"time_us": time_us, "channel_id": channel, "value": value, "text": words})
-        return rows
+        return words
 
     def forget_channels(self, channels: list[int]) -> None:
         """Write no more readings of channels that are gone."""

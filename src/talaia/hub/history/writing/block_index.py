@@ -16,10 +16,10 @@ import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from sqlalchemy import delete, func, insert, select
+from sqlalchemy import delete, func, select
 
 from talaia.hub.history.blocks.block import concatenate_samples, decode_block
-from talaia.hub.history.blocks.journal import part_of, read_row, write_row
+from talaia.hub.history.blocks.journal import part_of, write_row
 from talaia.hub.history.blocks.journal_rows import JournalRows
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.plain_rows import Recent
@@ -32,7 +32,15 @@ from talaia.hub.history.writing.compaction import (
     read_newest,
     save_tail,
     seal_tail,
+    write_tails,
 )
+from talaia.hub.history.writing.gap_rows import gap_row, write_gap
+from talaia.hub.history.writing.journal_replay import (
+    JournalReader,
+    JournalTargets,
+    replay_journal,
+)
+from talaia.hub.history.writing.merged_rows import RowMerger
 from talaia.hub.history.writing.open_blocks import Chunk, Tails
 from talaia.hub.history.writing.retention import delete_blocks
 from talaia.hub.history.writing.seal_choice import SealChoice
@@ -54,6 +62,7 @@ from talaia.hub.history.writing.writer_jobs import (
     checked_columns,
 )
 from talaia.hub.store import history_tables as tables
+from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,9 +71,11 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.history.limits import HistoryLimits
+    from talaia.hub.history.writing.merged_rows import MergedRow
     from talaia.hub.history.writing.retention import Doomed
     from talaia.hub.history.writing.site_jobs import Adopted, Forgotten
     from talaia.hub.history.writing.writer_jobs import Job
+    from talaia.wire.columns import Columns
 
 __all__ = ["BlockIndex"]
 
@@ -72,10 +83,11 @@ _LOG = logging.getLogger(__name__)
 
 
 class _Plan(NamedTuple):
-    """What of the tails the next commit writes."""
+    """What of the tails and of the journal the next commit writes anew."""
 
     seals: list[Sealed]
     saves: list[Saved]
+    merged: MergedRow | None
 
 
 class _Draft:
@@ -84,6 +96,9 @@ class _Draft:
     def __init__(self) -> None:
         # Of the journal: every batch as it came.
         self.rows: list[dict[str, Any]] = []
+        self.columns: list[Columns] = []
+        # A row in the place of several that are there.
+        self.merged: MergedRow | None = None
         # What is lost for good.
         self.gaps: list[dict[str, Any]] = []
         # The samples of `rows`, for the tails once they are committed.
@@ -113,7 +128,8 @@ class _Draft:
         return bool(self.rows or self.gaps or self.recent or self.named or self.doomed)
 
     def count_bytes(self) -> int:
-        bodies = sum(len(row["body"]) for row in self.rows)
+        rows = [*self.rows, self.merged.row] if self.merged is not None else self.rows
+        bodies = sum(len(row["body"]) for row in rows)
         return bodies + sum(seal.count_bytes() for seal in self.seals)
 
 
@@ -145,6 +161,9 @@ class BlockIndex:
         # From this number on readers take no block: their samples are in the tails still.
         self._next_block = 1
         self._journal = JournalRows()
+        # A server packs rows by itself.
+        self._merges_rows = not dialect_of(engine).is_server
+        self._merger = RowMerger()
         # What of the tails the next commit writes; compressed while nobody waits.
         self._plan: _Plan | None = None
         # Chooses what is planned.
@@ -156,6 +175,7 @@ class BlockIndex:
         names = Names()
         self._newest, self._runs = {}, StoredRuns()
         self._journal = JournalRows()
+        self._merger = RowMerger()
         self._plan = None
         with self._engine.begin() as connection:
             names.load_names(connection)
@@ -176,7 +196,10 @@ class BlockIndex:
                 ids = np.full(samples.time_us.size, row.channel_id, np.int64)
                 self._recent.add_chunks([Chunk(0, ids, *samples)])
             self._next_row = max(done + 1, names.next_of("row"))
-            self._replay_journal(connection, names, tails)
+            reader = JournalReader(names.all_catalogues(), names.saved_row)
+            targets = JournalTargets(tails, self._runs, self._recent, self._journal)
+            last = replay_journal(connection, reader, targets)
+            self._next_row = max(self._next_row, last + 1)
         # Readers see the old state or the new one, never half of it.
         self.names, self.tails, self.run = names, tails, self.run + 1
 
@@ -191,7 +214,7 @@ class BlockIndex:
         answers = [self._answer_job(job, draft) for job in jobs]
         if draft:
             if self._plan is not None:
-                draft.seals, draft.saves = self._plan.seals, self._plan.saves
+                draft.seals, draft.saves, draft.merged = self._plan
             with self._engine.begin() as connection:
                 last_gone = self._write_draft(connection, draft)
             self._apply_draft(draft, last_gone)
@@ -207,38 +230,18 @@ class BlockIndex:
         if self._plan is not None:
             return
         tails = self.tails
-        chosen, saved, enough = self._choice.choose_channels(tails, self._journal.samples)
-        if chosen or saved:
+        # Before batches are dealt out, perhaps.
+        merged = self._merger.next_row(tails.deals) if self._merges_rows else None
+        chosen, saved, enough = self._choice.choose_channels(tails, self._journal)
+        if chosen or saved or merged:
             saves = [
                 save_tail(
                     channel, tails.dealt_row, concatenate_samples(tails.all_tails()[channel].parts)
                 )
                 for channel in saved
             ]
-            self._plan = _Plan([self._seal_tail(channel, enough) for channel in chosen], saves)
-
-    def _replay_journal(self, connection: Connection, names: Names, tails: Tails) -> None:
-        rows = connection.execution_options(yield_per=500).execute(
-            select(tables.hot).order_by(tables.hot.c.id)
-        )
-        saved = _saved_rows(names)
-        for row in rows:
-            self._runs.add_stored(row.boot_id, row.first_seq, row.first_seq + row.samples)
-            try:
-                columns = read_row(row.body)
-            except HistoryError as error:
-                _LOG.error("%d samples of the journal are lost: %s", row.samples, error)
-                continue
-            ids = names.by_id(row.catalogue_id).channels[columns.channel]
-            chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
-            chunk = _select_samples(chunk, np.flatnonzero(saved[ids] < row.id))
-            tails.add_chunks([chunk])
-            self._recent.add_chunks([chunk])
-            if tails.is_due():
-                tails.deal_chunks()
-            self._journal.append_row(row.id, row.samples)
-            self._next_row = max(self._next_row, row.id + 1)
-        tails.deal_chunks()
+            seals = [self._seal_tail(channel, enough) for channel in chosen]
+            self._plan = _Plan(seals, saves, merged)
 
     def _answer_job(self, job: Job, draft: _Draft) -> HistoryError | int:
         try:
@@ -326,6 +329,7 @@ class BlockIndex:
                     "body": body,
                 }
             )
+            draft.columns.append(part)
             ids = catalogue.channels[part.channel]
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
@@ -333,7 +337,7 @@ class BlockIndex:
             self._runs.add_stored(boot, first, first + len(part))
 
     def _take_gap(self, job: GapJob, draft: _Draft) -> None:
-        row = _gap_row(job)
+        row = gap_row(job)
         boot = self.names.boot_id(job.site, job.boot)
         draft.gaps.append({"boot_id": boot, **row})
         self._runs.settled_of(boot).add_range(job.first, job.last + 1)
@@ -358,7 +362,7 @@ class BlockIndex:
         self.names.write_new(connection)
         insert_rows(connection, tables.hot, draft.rows)
         for row in draft.gaps:
-            _write_gap(connection, row)
+            write_gap(connection, row)
         if draft.recent:
             self._recent.write_rows(connection, draft.recent)
         if draft.doomed:
@@ -377,8 +381,9 @@ class BlockIndex:
             if newest is None:
                 newest = read_newest(connection, channel)
             draft.newest[channel] = sealed.write_blocks(connection, newest)
-        for saved in draft.saves:
-            saved.write_tail(connection)
+        write_tails(connection, draft.saves)
+        if draft.merged is not None:
+            draft.merged.write_row(connection)
         if draft.writes_runs:
             draft.ranges = self._runs.write_changed(connection)
         if draft.forgotten:
@@ -405,6 +410,7 @@ class BlockIndex:
     def _apply_draft(self, draft: _Draft, last_gone: int) -> None:
         self._plan = None
         self._choice.samples += draft.samples
+        self._choice.rows += len(draft.rows)
         self.names.clear_new()
         self._newest.update(draft.newest)
         self._runs.mark_written(draft.ranges)
@@ -425,6 +431,8 @@ class BlockIndex:
                 self._newest.pop(channel, None)
         if draft.saves:
             self.tails.mark_saved([saved.channel for saved in draft.saves])
+        if draft.merged is not None:
+            self._journal.merge_rows(draft.merged.first, draft.merged.row["id"])
         if last_gone:
             self._runs.clear_changed()
             self._journal.forget_rows(last_gone)
@@ -432,56 +440,5 @@ class BlockIndex:
         self._recent.add_chunks(draft.chunks)
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
-
-
-def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
-    """Give by channel id the last journal row that is in its saved tail or in blocks (ids,)."""
-    saved = np.zeros(max(names.saved_row, default=0) + 1, np.int64)
-    for channel, last in names.saved_row.items():
-        saved[channel] = last
-    return saved
-
-
-def _gap_row(job: GapJob) -> dict[str, Any]:
-    """Give what the table holds of a gap, less whose it is.
-
-    Raises:
-        HistoryError: it ends before it begins.
-        UnicodeEncodeError: its reason is not Unicode.
-
-    """
-    if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
-        raise HistoryError(
-            f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "
-            "before it begins"
-        )
-    job.reason.encode()
-    return {
-        "first_seq": job.first,
-        "last_seq": job.last,
-        "from_us": job.from_us,
-        "to_us": job.to_us,
-        # PostgreSQL's texts hold no zero byte.
-        "reason": job.reason.replace("\0", "�"),
-    }
-
-
-def _select_samples(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
-    if positions.size == chunk.time_us.size:
-        return chunk
-    place = {int(old): new for new, old in enumerate(positions)}
-    return Chunk(
-        chunk.row,
-        chunk.channel[positions],
-        chunk.time_us[positions],
-        chunk.value[positions],
-        {place[p]: text for p, text in chunk.texts.items() if p in place},
-    )
-
-
-def _write_gap(connection: Connection, row: dict[str, Any]) -> None:
-    table = tables.gap
-    key = ("boot_id", "first_seq", "last_seq", "from_us")
-    same = [table.c[name] == row[name] for name in key]
-    if connection.execute(select(table.c.boot_id).where(*same)).first() is None:
-        connection.execute(insert(table), row)
+        if self._merges_rows:
+            self._merger.add_rows(draft.rows, draft.columns, self.tails.deals)

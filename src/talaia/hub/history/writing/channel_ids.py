@@ -57,6 +57,8 @@ class Names:
         self._by_id: dict[int, Catalogue] = {}
         # What the last lists of addresses are called: they come with each batch.
         self._lists: dict[tuple[str, tuple[str, ...]], Catalogue] = {}
+        # By site, the list that came last: to look up ten thousand names is to look at each.
+        self._came_last: dict[str, tuple[tuple[str, ...], Catalogue]] = {}
         # Rows that the next commit writes, with their tables.
         self._new: list[tuple[Table, dict[str, Any]]] = []
         # By kind, the number that the next one gets. A number that was given once is never given
@@ -110,15 +112,18 @@ class Names:
             HistoryError: a name no database would keep.
 
         """
-        key = (site, tuple(addresses))
-        known = self._lists.get(key)
+        last = self._came_last.get(site)
+        if last is not None and last[0] is addresses:
+            return last[1]
+        # Of a tuple it is itself, which nobody can change later.
+        names = tuple(addresses)
+        known = self._lists.get((site, names))
         if known is None:
-            _check_names(site, *addresses)
-            channels = [self._channel_id(site, address, now_us) for address in addresses]
-            known = self._find_catalogue(np.array(channels, np.int64))
+            known = self._find_catalogue(self._channel_ids(site, names, now_us))
             if len(self._lists) >= _MOST_LISTS:
                 self._lists.clear()
-            self._lists[key] = known
+            self._lists[site, names] = known
+        self._came_last[site] = (names, known)
         return known
 
     def channel_number(self, site: str, address: str, since_us: int) -> int:
@@ -128,8 +133,7 @@ class Names:
             HistoryError: a name no database would keep.
 
         """
-        _check_names(site, address)
-        return self._channel_id(site, address, since_us)
+        return int(self._channel_ids(site, (address,), since_us)[0])
 
     def of_site(self, site: str) -> set[int]:
         """Give the numbers of a site's channels."""
@@ -143,7 +147,7 @@ class Names:
             self.longest_us.pop(number, None)
         for key in [key for key in self.boots if key[0] == site]:
             del self.boots[key]
-        self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
+        self._forget_lists(site)
 
     @property
     def counters(self) -> dict[str, int]:
@@ -163,11 +167,11 @@ class Names:
             self.channels[site, new] = channel
             self._renamed[channel] = new
         # An address may stand for another channel now.
-        self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
+        self._forget_lists(site)
 
-    def by_id(self, catalogue: int) -> Catalogue:
-        """Find a list by its number."""
-        return self._by_id[catalogue]
+    def all_catalogues(self) -> Mapping[int, Catalogue]:
+        """Give all lists by their numbers."""
+        return self._by_id
 
     def write_new(self, connection: Connection) -> None:
         """Record what has got a number since the last commit."""
@@ -185,14 +189,29 @@ class Names:
         self._new.clear()
         self._renamed.clear()
 
-    def _channel_id(self, site: str, address: str, now_us: int) -> int:
-        known = self.channels.get((site, address))
-        if known is None:
-            known = self.channels[site, address] = self._take_number("channel")
-            self.saved_row[known] = self.longest_us[known] = 0
-            row = {"id": known, "site": site, "address": address, "since_us": now_us}
-            self._new.append((tables.channel, {**row, "saved_row": 0, "longest_us": 0}))
-        return known
+    def _forget_lists(self, site: str) -> None:
+        self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
+        self._came_last.pop(site, None)
+
+    def _channel_ids(self, site: str, addresses: Sequence[str], now_us: int) -> NDArray[np.int64]:
+        known = self.channels
+        new = list(dict.fromkeys(name for name in addresses if (site, name) not in known))
+        _check_names(site, *new)
+        if new:
+            # Together: a list of ten thousand names is what a hub has once, and waits for.
+            first = self.next_of("channel")
+            numbers = range(first, first + len(new))
+            self._next["channel"] = numbers.stop
+            known.update(zip([(site, name) for name in new], numbers, strict=True))
+            none = dict.fromkeys(numbers, 0)
+            self.saved_row.update(none)
+            self.longest_us.update(none)
+            columns = {"site": site, "since_us": now_us, "saved_row": 0, "longest_us": 0}
+            self._new += [
+                (tables.channel, {"id": number, "address": name, **columns})
+                for number, name in zip(numbers, new, strict=True)
+            ]
+        return np.array([known[site, name] for name in addresses], np.int64)
 
     def _take_number(self, kind: str) -> int:
         number = self.next_of(kind)
@@ -231,7 +250,9 @@ def _check_names(*names: str) -> None:
                 f"the name {name[:40]!r} cannot be kept",
                 f"use 1 to {_LONGEST_NAME} characters, no NUL and no space at either end",
             )
-        try:
-            name.encode()
-        except UnicodeEncodeError as error:
-            raise HistoryError(f"the name {name[:40]!r} is not Unicode text") from error
+    try:
+        "".join(names).encode()
+    except UnicodeEncodeError as error:
+        wrong = error.object[error.start : error.end]
+        name = next((name for name in names if wrong in name), wrong)
+        raise HistoryError(f"the name {name[:40]!r} is not Unicode text") from error

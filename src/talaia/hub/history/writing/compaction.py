@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import and_, delete, insert, or_, select, update
+from sqlalchemy import and_, bindparam, delete, or_, select, update
 
 from talaia.hub.history.blocks.block import BlockSamples, encode_block, in_order, split_blocks
 from talaia.hub.history.blocks.rollup import (
@@ -21,9 +21,11 @@ from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sqlalchemy import Connection
 
-__all__ = ["Newest", "Saved", "Sealed", "read_newest", "save_tail", "seal_tail"]
+__all__ = ["Newest", "Saved", "Sealed", "read_newest", "save_tail", "seal_tail", "write_tails"]
 
 # Of a channel, the last rollup row of each width, each as one cell.
 Newest = dict[int, Cells]
@@ -35,14 +37,6 @@ class Saved(NamedTuple):
     channel: int
     row: int
     body: bytes
-
-    def write_tail(self, connection: Connection) -> None:
-        """Put it in place of the channel's former tail."""
-        table = tables.tail
-        # Deleted, then inserted: every engine has its own words for doing both at once.
-        connection.execute(delete(table).where(table.c.channel_id == self.channel))
-        connection.execute(insert(table), {"channel_id": self.channel, "body": self.body})
-        _advance(connection, self.channel, {"saved_row": self.row})
 
 
 class Sealed(NamedTuple):
@@ -93,7 +87,22 @@ class Sealed(NamedTuple):
 
 def save_tail(channel: int, row: int, samples: BlockSamples) -> Saved:
     """Compress a tail, in the order in which its samples came."""
-    return Saved(channel, row, encode_block(samples))
+    # It is read at the next start at the most, and gives way to a longer one or to a block.
+    return Saved(channel, row, encode_block(samples, is_kept=False))
+
+
+def write_tails(connection: Connection, saves: Sequence[Saved]) -> None:
+    """Put tails in place of their channels' former ones; the caller commits."""
+    if not saves:
+        return
+    rows = [{"channel_id": saved.channel, "body": saved.body} for saved in saves]
+    put_rows(connection, tables.tail, rows)
+    table = tables.channel
+    advanced = update(table).where(table.c.id == bindparam("of_channel"))
+    connection.execute(
+        advanced.values(saved_row=bindparam("to_row")),
+        [{"of_channel": saved.channel, "to_row": saved.row} for saved in saves],
+    )
 
 
 def seal_tail(

@@ -1,5 +1,7 @@
 """Samples that are not in a block yet, held in memory for each channel.
 
+Long, because the thread that writes and those that read must agree on each step.
+
 Batches come many channels at a time and are committed every few milliseconds; taking each apart
 at once would be most of the hub's work. So they wait as they came (*recent*) and are dealt out to
 the channels' *tails* a few thousand samples at a time. One thread writes, any thread reads.
@@ -16,7 +18,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Iterator, Mapping
 
 __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
 
@@ -25,7 +27,13 @@ _PARTS = 64
 # Taking batches apart costs by the channel, so it waits for so many samples of each. A reader looks
 # through all that wait, so it is not more than so many in all.
 _OF_EACH = 16
-_MOST_WAITING = 131_072
+# The same of each where they are very many.
+_OF_MANY, _VERY_MANY = 32, 1_000
+_MOST_WAITING = 524_288
+# Fewer channels that are not known yet are dealt out at once: it costs next to nothing.
+_FEW = 64
+# So many channels or more are looked for together in what waits.
+_MANY = 4
 
 
 class Chunk(NamedTuple):
@@ -124,10 +132,13 @@ class Tails:
         self._tails: dict[int, Tail] = {}
         # Taking batches apart pays only from so many samples on; more, if there are many channels.
         self._enough = recent
+        # The same for the channels of those that wait now, once somebody has counted them.
+        self._enough_waiting = 0
         # How often batches were dealt out.
         self.deals = 0
-        # What `needed_row` found, until a tail changes.
+        # What `needed_row` found, until enough tails have changed, and how many have.
         self._needed: int | None = None
+        self._changed = 0
         # What a reader finds in blocks below it is not here, and the other way round.
         self.block = block
         # The journal is needed from the row after it, whatever the tails say.
@@ -137,12 +148,18 @@ class Tails:
         """Give the tails by channel id; for the writing thread only."""
         return self._tails
 
-    def add_chunks(self, chunks: list[Chunk]) -> None:
-        """Take batches that have been committed, in order of their rows."""
+    def add_chunks(self, chunks: list[Chunk], last_row: int = 0) -> None:
+        """Take batches that have been committed, in order of their rows.
+
+        Args:
+            chunks: each is one row's, unless ``last_row`` says more.
+            last_row: the last row of the last one, where several rows are joined to one.
+
+        """
         with self._lock:
             for chunk in chunks:
                 self._recent.append(chunk)
-                self._recent_row = chunk.row
+                self._recent_row = last_row or chunk.row
                 self._single += 1
                 # A reader looks through ten thousand small arrays slowly.
                 if self._single == _PARTS:
@@ -156,9 +173,16 @@ class Tails:
         return set(np.unique(np.concatenate(ids)).tolist()) if ids else set()
 
     def is_due(self) -> bool:
-        """Tell whether enough batches wait to be dealt out."""
-        enough = min(_OF_EACH * len(self._tails), _MOST_WAITING)
-        return self._waiting >= max(self._enough, enough)
+        """Tell whether enough batches wait to be dealt out; for the writing thread only."""
+        enough = _enough_of(len(self._tails))
+        if self._waiting < max(self._enough, self._enough_waiting, enough):
+            return False
+        # Seldom: of ten thousand channels that are all new, none has a tail yet.
+        ids = np.concatenate([chunk.channel for chunk in self._recent])
+        channels = np.count_nonzero(np.bincount(ids))
+        if channels > _FEW:
+            self._enough_waiting = _enough_of(int(channels))
+        return self._waiting >= self._enough_waiting
 
     def restore_tail(self, channel: int, samples: BlockSamples) -> None:
         """Take a tail that was saved in the database."""
@@ -174,12 +198,16 @@ class Tails:
         # Outside the lock: it is the long part, and only this thread changes what it reads.
         dealt = _deal_by_channel(chunks)
         with self._lock:
+            tails = self._tails
             for channel, row, samples in dealt:
-                tail = self._tails.setdefault(channel, Tail())
+                tail = tails.get(channel)
+                if tail is None:
+                    tail = tails[channel] = Tail()
                 tail.add_samples(samples)
                 if tail.oldest_row is None:
                     tail.oldest_row = row
             self._recent, self._waiting, self._single = [], 0, 0
+            self._enough_waiting = 0
             self._needed = None
             self.deals += 1
             self.dealt_row = self._recent_row
@@ -191,18 +219,26 @@ class Tails:
             for channel in channels:
                 del self._tails[channel]
             self.block = block
-            self._needed = None
+        self._count_changes(len(channels))
 
     def mark_saved(self, channels: list[int]) -> None:
         """Remember that the tails of these channels are in the database as they stand."""
         for channel in channels:
             tail = self._tails[channel]
             tail.saved, tail.oldest_row = True, None
-        self._needed = None
+        self._count_changes(len(channels))
+
+    def _count_changes(self, count: int) -> None:
+        # To look through ten thousand tails for a few that need no row any more takes longer than
+        # all else of a commit; a row that stays a little longer harms nobody.
+        self._changed += count
+        if self._changed >= len(self._tails) // 64:
+            self._needed = None
 
     def needed_row(self) -> int:
-        """Give the first journal row that must not be deleted."""
+        """Give the first journal row that must not be deleted, or one a little before it."""
         if self._needed is None:
+            self._changed = 0
             rows = [tail.oldest_row for tail in self._tails.values() if tail.oldest_row is not None]
             self._needed = min(rows, default=self.dealt_row + 1)
         return self._needed
@@ -211,17 +247,55 @@ class Tails:
         self, channel: int, from_us: int = -(2**63), to_us: int = 2**63 - 1
     ) -> Snapshot:
         """Give what is held of a channel: all of a window, perhaps more; from any thread."""
+        return self.channel_snapshots([channel], from_us, to_us)[channel]
+
+    def channel_snapshots(
+        self, channels: Collection[int], from_us: int = -(2**63), to_us: int = 2**63 - 1
+    ) -> dict[int, Snapshot]:
+        """Give what is held of each of several channels, as of one moment."""
+        found: dict[int, list[BlockSamples]] = {channel: [] for channel in channels}
         with self._lock:
-            tail = self._tails.get(channel)
-            parts = list(tail.parts) if tail is not None and tail.touches(from_us, to_us) else []
+            for channel, parts in found.items():
+                tail = self._tails.get(channel)
+                if tail is not None and tail.touches(from_us, to_us):
+                    parts += tail.parts
             recent = list(self._recent)
             block = self.block
-        for chunk in recent:
+        for channel, samples in _find_waiting(recent, found):
+            found[channel].append(samples)
+        return {
+            channel: Snapshot(concatenate_samples(parts), block) for channel, parts in found.items()
+        }
+
+
+def _enough_of(channels: int) -> int:
+    """Give how many samples wait at least before they are dealt out to so many channels."""
+    of_each = _OF_EACH if channels < _VERY_MANY else _OF_MANY
+    return min(of_each * channels, _MOST_WAITING)
+
+
+def _find_waiting(
+    chunks: list[Chunk], channels: Collection[int]
+) -> Iterator[tuple[int, BlockSamples]]:
+    """Find the samples of channels in batches, of each in the order in which they came."""
+    if len(channels) >= _MANY and chunks:
+        # All that wait would be looked through for each of them.
+        whole = _join_chunks(chunks)
+        ids = whole.channel
+        wanted = np.zeros(1 + max(int(ids.max(initial=0)), *channels), np.bool_)
+        wanted[list(channels)] = True
+        positions = np.flatnonzero(wanted[ids])
+        samples = BlockSamples(whole.time_us, whole.value, whole.texts)
+        mine = Chunk(whole.row, ids[positions], *samples.select_positions(positions))
+        for channel, _, of_channel in _deal_by_channel([mine]):
+            yield channel, of_channel
+        return
+    for channel in channels:
+        for chunk in chunks:
             positions = np.flatnonzero(chunk.channel == channel)
             if positions.size:
                 samples = BlockSamples(chunk.time_us, chunk.value, chunk.texts)
-                parts.append(samples.select_positions(positions))
-        return Snapshot(concatenate_samples(parts), block)
+                yield channel, samples.select_positions(positions)
 
 
 def _deal_by_channel(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]:
@@ -247,8 +321,8 @@ def _deal_by_channel(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]
     bounds = zip(starts.tolist(), [*starts[1:].tolist(), ids.size], strict=True)
     owners = zip(ids[starts].tolist(), rows[order[starts]].tolist(), bounds, strict=True)
     time_us, value = in_turn.time_us, in_turn.value
+    # A view would keep the batch of all channels in memory for as long as this one.
     return [
-        # A view would keep the batch of all channels in memory for as long as this one.
         (
             channel,
             row,

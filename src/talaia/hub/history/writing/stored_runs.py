@@ -11,7 +11,7 @@ from talaia.hub.history.writing.bulk_writes import put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from sqlalchemy import Connection
 
@@ -58,6 +58,19 @@ class StoredRuns:
         self.stored_of(boot).add_range(first, past)
         self.settled_of(boot).add_range(first, past)
         self._changed.add(boot)
+
+    def add_rows(self, boots: Sequence[int], firsts: Sequence[int], samples: Sequence[int]) -> None:
+        """Count as stored what these rows of the journal have, row by row."""
+        # What follows on another of its boot goes with it: a gateway's rows, nearly always.
+        ends: dict[int, tuple[int, int]] = {}
+        for boot, first, count in zip(boots, firsts, samples, strict=True):
+            begun, past = ends.get(boot, (first, first))
+            if past != first:
+                self.add_stored(boot, begun, past)
+                begun = first
+            ends[boot] = begun, first + count
+        for boot, (begun, past) in ends.items():
+            self.add_stored(boot, begun, past)
 
     def write_changed(self, connection: Connection) -> dict[int, set[int]]:
         """Write the ranges of changed boots; those that were joined with others go.

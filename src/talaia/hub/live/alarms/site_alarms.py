@@ -24,9 +24,10 @@ from talaia.hub.alarms.conditions import (
 from talaia.hub.alarms.reminders import first_told
 from talaia.hub.alarms.state_machine import Clear, Grow, Raise, State, Unshelve
 from talaia.hub.live.alarms.alarm_state import LiveAlarm, device_of
-from talaia.hub.live.pages.conflate import conflate, pick
+from talaia.hub.live.pages.conflate import conflate
 from talaia.hub.store.alarms.notification_outbox import About
 from talaia.model.checks.alarm_checks import Addresses, alarm_findings
+from talaia.wire.columns import pick_samples
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -112,7 +113,7 @@ class SiteAlarms:
         keep = self._watched[columns.channel]
         if not keep.any():
             return
-        mine = pick(columns, keep)
+        mine = pick_samples(columns, keep)
         now = self._clock.monotonic_ns()
         # Of what was held back at most one sample of a channel comes, so nothing is made fewer.
         if heard_ns is not None:

@@ -33,11 +33,12 @@ class ChannelMaps:
     ) -> None:
         """Begin with the list of the hello; ``renamed`` are former addresses of its channels."""
         # By the name of each list, the oldest first; with the addresses as they are now.
-        self._lists: dict[str, tuple[str, ...]] = {catalogue: tuple(addresses)}
+        first = tuple(addresses)
+        self._lists: dict[str, tuple[str, ...]] = {catalogue: first}
         # Present addresses by former ones.
         self._renamed = dict(renamed or {})
         # What pages are shown now: it follows when a description is stored, after the lists.
-        self._shown: tuple[str, ...] = tuple(addresses)
+        self._shown: tuple[str, ...] = first
         # For each list the place of its channels in `_shown`, or -1; made when it is needed.
         self._order: dict[tuple[str, ...], NDArray[np.int64]] = {}
 
@@ -103,7 +104,8 @@ class ChannelMaps:
 
     def live_columns(self, batch: Batch) -> Columns:
         """Give a batch's samples as pages are shown them, without those they are not shown yet."""
-        if batch.addresses == self._shown:
+        # The same list, mostly: thousands of names need not be compared.
+        if batch.addresses is self._shown or batch.addresses == self._shown:
             return batch.columns
         return renumber_channels(batch.columns, self._order_of(batch.addresses))
 

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.observing.night_link import NightLink
+    from talaia.hub.live.pages.watched_signals import WatchedSignals
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.robot_log_intake import RobotLogIntake
     from talaia.hub.live.sites import LiveSite, Sites
@@ -98,7 +99,11 @@ class LinkService:
         sightings: SightingJournal,
         media: PictureFanout,
         taps: TapFanout,
+<<<<<<< HEAD
         assets: RobotAssets,
+=======
+        watched: WatchedSignals,
+>>>>>>> main
         nights: NightLink,
         robot_log: RobotLogIntake,
         history: History,
@@ -120,7 +125,11 @@ class LinkService:
             sightings: takes what cameras have seen.
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
+<<<<<<< HEAD
             assets: the same, of files of robots.
+=======
+            watched: is told when a link can be asked to send soon what is on a screen.
+>>>>>>> main
             nights: takes how nights stand and what was observed.
             robot_log: takes lines of robots' own logs.
             history: keeps samples.
@@ -138,7 +147,11 @@ class LinkService:
         self._reporting = reporting
         self._samples = samples
         self._sightings = sightings
+<<<<<<< HEAD
         self._media, self._taps, self._assets = media, taps, assets
+=======
+        self._media, self._taps, self._watched = media, taps, watched
+>>>>>>> main
         self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance = attendance
         self._links = links
@@ -262,7 +275,11 @@ class LinkService:
             )
         self._media.watch(site)
         self._taps.link_up(site)
+<<<<<<< HEAD
         self._assets.link_up(site)
+=======
+        self._watched.link_up(site)
+>>>>>>> main
         _LOG.info("the gateway of %s is connected", site)
         return live
 

@@ -82,6 +82,10 @@ class MissionLine:
         """Wait: nobody speaks here."""
         await asyncio.Event().wait()
 
+    def write_frame(self, _frame: Frame) -> bool:
+        """Take nothing at once."""
+        return False
+
     async def send_frame(self, frame: Frame) -> None:
         """Take what is told of the command that was asked for."""
         if not isinstance(frame, MessageFrame):

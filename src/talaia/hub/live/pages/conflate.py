@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, PackedColumns, pack_columns
+from talaia.wire.columns import Columns, PackedColumns, pack_columns, pick_samples
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-__all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "pick", "weight"]
+__all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "weight"]
 
 EMPTY = Columns(np.empty(0, np.uint16), np.empty(0, np.int64), np.empty(0, np.float64), {})
 # uint16, int64 and float64.
@@ -27,16 +22,6 @@ def weight(columns: Columns) -> int:
         return _BYTES_A_SAMPLE * len(columns)
     # A character takes up to four bytes.
     return _BYTES_A_SAMPLE * len(columns) + sum(_BYTES_A_TEXT + 4 * len(t) for t in texts.values())
-
-
-def pick(columns: Columns, keep: NDArray[np.bool_]) -> Columns:
-    """Give the samples where ``keep`` is true; texts move to their new places."""
-    texts = columns.texts
-    if texts:
-        # For each sample that stays its new place.
-        place = np.cumsum(keep) - 1
-        texts = {int(place[at]): text for at, text in texts.items() if keep[at]}
-    return Columns(columns.channel[keep], columns.time_us[keep], columns.value[keep], texts)
 
 
 def join(pieces: list[Columns]) -> Columns:
@@ -79,7 +64,7 @@ def conflate(columns: Columns) -> Columns:
     keep[by_value[starts]] = True
     # With NaN only, the first stands for all.
     keep[by_value[starts + np.maximum(numbers, 1) - 1]] = True
-    return pick(columns, keep)
+    return pick_samples(columns, keep)
 
 
 def newest(columns: Columns) -> Columns:
@@ -90,19 +75,21 @@ def newest(columns: Columns) -> Columns:
     # The first of the reversed column is the last.
     _, at = np.unique(columns.channel[::-1], return_index=True)
     keep[len(columns) - 1 - at] = True
-    return pick(columns, keep)
+    return pick_samples(columns, keep)
 
 
 def frames_of(columns: Columns) -> list[PackedColumns]:
     """Pack columns, cut in pieces that a batch can hold."""
     if not len(columns):
         return []
-    times = columns.time_us
-    spans = int(times.max()) - int(times.min()) > MAX_SPAN_US
-    if len(columns) <= MAX_SAMPLES and not spans:
+    try:
         return [pack_columns(columns)]
+    except ValueError:
+        # One sample always fits.
+        if len(columns) == 1:
+            raise
     # Halved, for neither count nor span can be told in advance; each half is packed by itself.
     half = len(columns) // 2
     first = np.zeros(len(columns), bool)
     first[:half] = True
-    return [*frames_of(pick(columns, first)), *frames_of(pick(columns, ~first))]
+    return [*frames_of(pick_samples(columns, first)), *frames_of(pick_samples(columns, ~first))]

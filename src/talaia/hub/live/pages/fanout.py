@@ -13,10 +13,13 @@ from talaia.clock import MS
 from talaia.hub.live.pages.conflate import conflate, join
 from talaia.hub.live.pages.outbox import values_of
 from talaia.hub.live.pages.subscriptions import select_channels
+from talaia.hub.live.pages.watched_signals import WatchedSignals
 from talaia.wire.browser import Subscribed
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
@@ -54,16 +57,22 @@ class _Group:
 
 
 class Fanout:
-    """Subscriptions of all browsers, and the way of a batch to them."""
+    """Subscriptions of all browsers, and the way of a batch to them.
 
-    def __init__(self, sites: Sites, clock: Clock) -> None:
-        """Find sites in ``sites``; ``clock`` paces the sending."""
+    Attributes:
+        watched: tells gateways what is on a screen.
+
+    """
+
+    def __init__(self, sites: Sites, clock: Clock, linger_s: float) -> None:
+        """Find sites in ``sites``; ``clock`` paces the sending; see `WatchedSignals`."""
         self._sites = sites
         self._clock = clock
         # By site, then by rate and channels: pages that ask alike are encoded for once.
         self._groups: dict[str, dict[tuple[int, tuple[str, ...]], _Group]] = {}
         # By page and its number of the subscription.
         self._of: dict[tuple[Browser, int], _Group] = {}
+        self.watched = WatchedSignals(sites, self._asked_channels, linger_s)
 
     def subscribe(self, browser: Browser, asked: Subscribe) -> None:
         """Start a subscription, or replace the one with its number, and send what is known."""
@@ -77,6 +86,7 @@ class Fanout:
         group = self._group(live, selection, asked.every_ms)
         group.members[browser, asked.sub] = asked
         self._of[browser, asked.sub] = group
+        self.watched.update_soon(asked.site)
         browser.send_message(Subscribed(sub=asked.sub, refused=list(selection.refused)))
         # The outbox asks by it for newest values when they go out.
         browser.known = self.known
@@ -96,6 +106,7 @@ class Fanout:
                 group.timer.cancel()
             of_site = self._groups[group.site]
             del of_site[group.every_ms, group.selection.key]
+            self.watched.update_soon(group.site)
 
     def leave(self, browser: Browser) -> None:
         """End every subscription of a browser."""
@@ -136,6 +147,11 @@ class Fanout:
                 _send(group, picked)
             else:
                 self._gather(group, picked)
+
+    def _asked_channels(self, site: str) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Give how often each group of a site is sent something (ms), and its channels."""
+        for group in self._groups.get(site, {}).values():
+            yield group.every_ms, group.selection.channels
 
     def _gather(self, group: _Group, picked: Columns) -> None:
         group.pieces.append(picked)

@@ -15,7 +15,7 @@ Four kinds of things wait, each with its own policy:
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from talaia.hub.live.pages.conflate import conflate, frames_of, join, newest, weight
 from talaia.wire.browser import TO_BROWSER, Values
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from talaia.wire.browser import ToBrowser
     from talaia.wire.columns import Columns
+    from talaia.wire.socket_frame import SocketFrame
 
 __all__ = ["Frame", "MessageFrame", "Outbox", "values_of"]
 
@@ -55,7 +56,7 @@ class MessageFrame:
         return self._size
 
 
-Frame = bytes | str | MessageFrame
+Frame: TypeAlias = "SocketFrame | MessageFrame"
 # Bytes that may wait for one browser.
 BUDGET = 8 * 1024 * 1024
 # Of the budget: notes and states together; the rest is for values.

@@ -105,6 +105,8 @@ class Browser:
         self._handle = handle
         # What waits to be sent, bounded.
         self._outbox = Outbox(transport.encode, known=lambda sub, at: self.known(self, sub, at))
+        # The outbox's task waits, with nothing in its hands: then what comes may pass it by.
+        self._idle = False
         # Something waits in the outbox, or the end.
         self._wake = asyncio.Event()
         # The session is over: only the reason is still sent.
@@ -138,6 +140,8 @@ class Browser:
         frame = encoded.get(self.form)
         if frame is None:
             frame = encoded[self.form] = self.encode(message)
+        if self._write_at_once(frame):
+            return
         key = _state_key(message)
         if key is None:
             self._outbox.enqueue_frame(frame)
@@ -147,9 +151,10 @@ class Browser:
 
     def values(self, sub: int, columns: Columns, frame: Frame | None) -> None:
         """Send samples of a subscription; never waits."""
-        if not self._over.is_set():
-            self._outbox.values(sub, columns, frame)
-            self._wake.set()
+        if self._over.is_set() or (frame is not None and self._write_at_once(frame)):
+            return
+        self._outbox.values(sub, columns, frame)
+        self._wake.set()
 
     def owe(self, sub: int, places: Iterable[int], *, first: bool = False) -> None:
         """Have the newest values of channels of a subscription told; see `Outbox.owe`."""
@@ -247,9 +252,15 @@ class Browser:
             if not self._wishes:
                 self._wished.clear()
 
+    def _write_at_once(self, frame: Frame) -> bool:
+        """Send a frame past the outbox if nothing waits there; a task for each costs more."""
+        return self._idle and not self._outbox and self._transport.write_frame(frame)
+
     async def _write(self) -> None:
         while True:
+            self._idle = True
             await self._wake.wait()
+            self._idle = False
             # Before the outbox is emptied: what is added meanwhile sets it again.
             self._wake.clear()
             while self._outbox:

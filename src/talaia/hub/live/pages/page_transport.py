@@ -11,6 +11,7 @@ from talaia.hub.policy import BY_DISPLAY, NOT_BY_SCRIPT
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, PageLease, RequestError
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LeaseOp
+from talaia.wire.socket_frame import SocketFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,7 +21,11 @@ if TYPE_CHECKING:
     from talaia.hub.live.pages.outbox import Frame
     from talaia.wire.browser import FromBrowser, ToBrowser
 
-__all__ = ["GONE", "PageTransport", "SocketTransport"]
+__all__ = ["FRAME_WRITER", "GONE", "PageTransport", "SocketTransport"]
+
+# The extension of ASGI by which our server writes a `SocketFrame` at once: {"write": a function
+# that gives False where it cannot}. Over a hub that hands a socket through there is none.
+FRAME_WRITER = "talaia.frame_writer"
 
 # A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
 _SILENT_S = 150.0
@@ -59,6 +64,13 @@ class PageTransport(Protocol):
         """
         ...
 
+    def write_frame(self, frame: Frame) -> bool:
+        """Send one frame at once, if nothing that was sent before it waits; never waits.
+
+        False: nothing is sent, and it is to go by `send_frame`.
+        """
+        ...
+
     async def send_frame(self, frame: Frame) -> None:
         """Send one frame; returns when there is room for another."""
         ...
@@ -83,6 +95,8 @@ class SocketTransport:
         self._text = text
         self._script = script
         self._display = display
+        writer = socket.scope.get("extensions", {}).get(FRAME_WRITER)
+        self._writer: Callable[[SocketFrame], bool] | None = writer and writer["write"]
 
     @property
     def form(self) -> str:
@@ -91,7 +105,9 @@ class SocketTransport:
 
     def encode(self, message: ToBrowser) -> Frame:
         """Write a message in the form this page reads."""
-        return TO_BROWSER.encode_text(message) if self._text else TO_BROWSER.encode(message)
+        return SocketFrame(
+            TO_BROWSER.encode_text(message) if self._text else TO_BROWSER.encode(message)
+        )
 
     def refuse_request(self, message: FromBrowser) -> RequestError | None:
         """Refuse what only a page does: a script is a tool, and drives by the rules of tools."""
@@ -124,15 +140,25 @@ class SocketTransport:
             # Does not wait: what it asks is queued or answered at once.
             receive(message)
 
+    def write_frame(self, frame: Frame) -> bool:
+        """Write the frame's own bytes, which are the same for all pages of this form."""
+        if self._writer is None or not isinstance(frame, SocketFrame):
+            return False
+        try:
+            return self._writer(frame)
+        except GONE:
+            # `send_frame` will find that, too: it ends this connection and no other.
+            return False
+
     async def send_frame(self, frame: Frame) -> None:
         """Send one frame."""
-        if isinstance(frame, str):
-            await self._socket.send_text(frame)
-        elif isinstance(frame, bytes):
-            await self._socket.send_bytes(frame)
-        else:
+        if not isinstance(frame, SocketFrame):
             # Only `encode` above makes frames for this transport.
             raise TypeError(f"a page cannot be sent {type(frame).__name__}")
+        if isinstance(frame.data, str):
+            await self._socket.send_text(frame.data)
+        else:
+            await self._socket.send_bytes(frame.data)
 
     async def close_connection(self, code: int) -> None:
         """Close the socket."""

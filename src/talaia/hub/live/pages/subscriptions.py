@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.hub.auth.permissions import sees_signal
-from talaia.hub.live.pages.conflate import pick
-from talaia.wire.columns import Columns
+from talaia.wire.columns import Columns, pick_samples
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,7 +44,7 @@ class Selection:
         keep = place >= 0
         # Where all belong to it nothing is copied.
         if not keep.all():
-            columns, place = pick(columns, keep), place[keep]
+            columns, place = pick_samples(columns, keep), place[keep]
         return Columns(place.astype(np.uint16), columns.time_us, columns.value, columns.texts)
 
 

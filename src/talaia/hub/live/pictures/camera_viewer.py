@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, MutableMapping
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.pages.outbox import Frame
     from talaia.hub.live.pictures.picture_pacing import Ready
 
 __all__ = ["Viewer"]
@@ -112,11 +111,11 @@ class Viewer:
         self._now_us = now_us
         self._socket = socket
         # Problems that wait to be told.
-        self._notes: deque[Frame] = deque(maxlen=_MOST_NOTES)
+        self._notes: deque[bytes | str] = deque(maxlen=_MOST_NOTES)
         # What is seen on the newest picture; only the newest counts.
-        self._boxes: Frame | None = None
+        self._boxes: bytes | str | None = None
         # The newest of each model that has not gone out, by its name.
-        self._overlays: dict[str, Frame] = {}
+        self._overlays: dict[str, bytes | str] = {}
         # Something may be sent.
         self._wake = asyncio.Event()
         # The session is over.
@@ -130,12 +129,12 @@ class Viewer:
         self._wake.set()
         self._send_state()
 
-    def boxes(self, frame: Frame) -> None:
+    def boxes(self, frame: bytes | str) -> None:
         """Hand over what is seen on a picture, in place of what has not gone out yet."""
         self._boxes = frame
         self._wake.set()
 
-    def queue_overlay(self, model: str, frame: Frame) -> None:
+    def queue_overlay(self, model: str, frame: bytes | str) -> None:
         """Hand over what a model tells, in place of what it told and has not gone out yet."""
         self._overlays.pop(model, None)
         self._overlays[model] = frame
@@ -223,13 +222,13 @@ class Viewer:
             self._overlays.clear()
             self.on_flow(self)
 
-    async def _send(self, frame: Frame) -> None:
+    async def _send(self, frame: bytes | str) -> None:
         if isinstance(frame, str):
             await self._socket.send_text(frame)
         elif isinstance(frame, bytes):
             await self._socket.send_bytes(frame)
 
-    def _written(self, message: RequestError | SessionEnded) -> Frame:
+    def _written(self, message: RequestError | SessionEnded) -> bytes | str:
         if self.text:
             return MEDIA_TO_BROWSER.encode_text(message)
         return MEDIA_TO_BROWSER.encode(message)

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.live.gateways.clock_offset import ClockOffset
-    from talaia.hub.live.pages.outbox import Frame
     from talaia.hub.live.pictures.camera_viewer import Viewer
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.wire.frames import DetectedBoxes, ModelOverlay, PictureFrame, StreamError
@@ -259,11 +258,11 @@ class PictureFanout:
 
 def _written_once(
     said: CameraPictureBoxes | CameraPictureOverlay,
-) -> Callable[[Viewer], Frame]:
+) -> Callable[[Viewer], bytes | str]:
     """Give a function that gives the message as a viewer reads it, written once for all of them."""
-    written: dict[bool, Frame] = {}
+    written: dict[bool, bytes | str] = {}
 
-    def frame_for(viewer: Viewer) -> Frame:
+    def frame_for(viewer: Viewer) -> bytes | str:
         frame = written.get(viewer.text)
         if frame is None:
             encode = MEDIA_TO_BROWSER.encode_text if viewer.text else MEDIA_TO_BROWSER.encode

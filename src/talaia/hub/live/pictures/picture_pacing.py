@@ -17,7 +17,6 @@ from talaia.wire.frames import PictureForm
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from talaia.hub.live.pages.outbox import Frame
 
 __all__ = ["PicturePacing", "Ready"]
 
@@ -64,7 +63,7 @@ class Ready(NamedTuple):
     key: bool
     film: bool
     size: int
-    frame: Frame
+    frame: bytes | str
 
 
 class PicturePacing:
@@ -135,7 +134,7 @@ class PicturePacing:
             if self._least_us and again:
                 self._descend(now_us)
 
-    def next_picture(self, now_us: int) -> Frame | None:
+    def next_picture(self, now_us: int) -> bytes | str | None:
         """Give what goes out now, if the connection has room for it."""
         if not self._waiting or not self._has_room(now_us, film=self._waiting[0].film):
             return None

@@ -13,11 +13,11 @@ from weakref import WeakKeyDictionary, WeakSet
 
 import aiosqlite
 from sqlalchemy import event
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 
 from talaia.hub.store.dialects.dialect import SINGLE, WRITES
 from talaia.hub.store.dialects.sqlite_opening import SqliteConnection, open_sqlite
-from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, run_for_rows
+from talaia.hub.store.dialects.statement_words import insert_head, on_conflict
 
 if TYPE_CHECKING:
     import threading
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import URL, Connection, Engine, Table
     from sqlalchemy.engine import Dialect as EngineDialect
-    from sqlalchemy.engine.interfaces import DBAPIConnection
+    from sqlalchemy.engine.interfaces import DBAPIConnection, DBAPICursor
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
@@ -119,7 +119,11 @@ class SqliteDialect:
         self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
     ) -> None:
         """Run one prepared statement for all rows."""
-        run_for_rows(connection, _insert_words(table, tuple(rows[0]), in_place), rows)
+        words = _insert_words(table, tuple(rows[0]), in_place)
+        values = [tuple(row.values()) for row in rows]
+        # SQLAlchemy's own way takes longer than SQLite takes for a row.
+        with _translated(connection, words) as cursor:
+            cursor.executemany(words, values)
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
         """Take rows as the driver makes them: to make SQLAlchemy's of them takes as long again."""
@@ -226,10 +230,18 @@ def _begin_reading(connection: Connection) -> None:
 
 def _begin_quickly(connection: Connection, words: str) -> None:
     # SQLAlchemy's own way to run a statement takes longer than SQLite takes to begin.
-    cursor = connection.connection.cursor()
-    try:
+    with _translated(connection, words) as cursor:
         cursor.execute(words)
-    except connection.dialect.loaded_dbapi.Error as error:
-        raise OperationalError(words, None, error) from error
+
+
+@contextlib.contextmanager
+def _translated(connection: Connection, words: str) -> Iterator[DBAPICursor]:
+    """Give the driver's cursor; its errors are raised as SQLAlchemy's."""
+    cursor = connection.connection.cursor()
+    errors = connection.dialect.loaded_dbapi.Error
+    try:
+        yield cursor
+    except errors as error:
+        raise DBAPIError.instance(words, None, error, errors, dialect=connection.dialect) from error
     finally:
         cursor.close()

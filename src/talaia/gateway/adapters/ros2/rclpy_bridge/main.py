@@ -123,6 +123,10 @@ class Bridge:
             self._owners = {key: who for key, who in self._owners.items() if who is not joined}
             joined.close()
 
+    def do_pace(self, node: int, pace_s: float) -> None:
+        """Take so often (s) what came."""
+        self._nodes[node].shorten_turns(pace_s)
+
     def do_make(self, node: int, entity: int, what: str, **more: Any) -> None:  # noqa: ANN401
         """Make a subscription, a publisher or a client."""
         joined = self._nodes[node]

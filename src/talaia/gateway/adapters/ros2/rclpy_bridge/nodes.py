@@ -88,6 +88,10 @@ class JoinedNode:
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
+    def shorten_turns(self, pace_s: float) -> None:
+        """Let turns of the wait set be so short (s)."""
+        self._thread.run_soon(lambda: self._thread.shorten_turns("gateway", pace_s))
+
     # ── entities ──
 
     def make(self, what: str, entity: int, **more: Any) -> None:  # noqa: ANN401

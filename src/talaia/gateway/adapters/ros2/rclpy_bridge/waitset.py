@@ -2,7 +2,9 @@
 
 Why not an executor: rclpy's own costs 115 to 126 µs of CPU for each message, since it rebuilds its
 wait set at every turn and wakes for each message; one that drains all ready subscriptions and
-then lets 10 ms pass costs a fifth of it. While nothing comes it blocks and costs nothing.
+then lets 10 ms pass costs a fifth of it. While nothing comes it blocks and costs nothing. While
+something comes it does not ask the wait set what is ready: to fill that costs as much as to try to
+take from each.
 
 Entities are made, used and destroyed on this thread only, so none can vanish while it is taken
 from. Other threads leave jobs.
@@ -17,7 +19,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 __all__ = ["PACE_S", "WaitThread"]
 
@@ -32,11 +34,7 @@ HELD_NS = 50_000_000
 class WaitThread:
     """Waits, takes, and calls.
 
-    Attributes:
-        pace_s: from one turn that took something to the next (s); longer turns cost less. On the
-            thread.
-
-    Order of a turn: jobs, wait, take until each ready subscription is empty, answers of services,
+    Order of a turn: jobs, wait, take until each subscription is empty, answers of services,
     ``after`` once. An exception in any of the callbacks ends the thread and reaches ``failed``.
     """
 
@@ -48,6 +46,7 @@ class WaitThread:
         after: Callable[[], bool],
         idle: Callable[[], None],
         failed: Callable[[BaseException], None],
+        paced: Callable[[float], None] | None = None,
     ) -> None:
         """Take what is called.
 
@@ -58,6 +57,7 @@ class WaitThread:
                 tells whether anything is still held back.
             idle: called about four times a second, for looking at the graph.
             failed: told how the thread ended if it was not asked to.
+            paced: told how long turns are (s) when that changes; where it takes from is to keep up.
 
         """
         self._make_wait_set = make_wait_set
@@ -65,6 +65,7 @@ class WaitThread:
         self._after = after
         self._idle = idle
         self._failed = failed
+        self._paced = paced
         # Appended by any thread and emptied by ours; a deque needs no lock for these two.
         self._jobs: deque[Callable[[], None]] = deque()
         # By the pointer of the handle, as the wait set names what is ready.
@@ -72,7 +73,10 @@ class WaitThread:
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
         # Read at every turn; set once, by whoever ends the thread.
         self._ended = False
-        self.pace_s = PACE_S
+        # From one turn that took something to the next (s); longer turns cost less.
+        self._pace_s = PACE_S
+        # What was asked for, by who did; the shortest counts.
+        self._paces: dict[str, float] = {}
         self._thread = threading.Thread(target=self._run, name="talaia-ros2", daemon=True)
 
     # ── any thread ──
@@ -94,6 +98,15 @@ class WaitThread:
             self._thread.join()
 
     # ── on the thread ──
+
+    def shorten_turns(self, asker: str, pace_s: float) -> None:
+        """Let turns be as short as that (s) for somebody, until asked for `PACE_S` again."""
+        self._paces[asker] = pace_s
+        shortest_s = min(PACE_S, *self._paces.values())
+        if shortest_s != self._pace_s:
+            self._pace_s = shortest_s
+            if self._paced is not None:
+                self._paced(shortest_s)
 
     def add_subscription(
         self,
@@ -132,7 +145,7 @@ class WaitThread:
     def _turns(self) -> None:
         next_idle = 0
         wait_set, size = None, (-1, -1)
-        held = False
+        held = taken = False
         while not self._ended:
             # First, for a job may add or destroy what would else be waited for.
             while self._jobs:
@@ -141,18 +154,24 @@ class WaitThread:
             if now >= next_idle:
                 next_idle = now + IDLE_NS
                 self._idle()
-            wanted = (len(self._subscriptions), len(self._clients))
-            # A wait set is made for a number of entities; filling it anew at each turn is cheap.
-            if wait_set is None or wanted != size:
-                wait_set, size = self._make(wait_set, wanted), wanted
-            self._wait(wait_set, HELD_NS if held else max(0, next_idle - now))
+            if taken:
+                # More has come meanwhile, most likely.
+                subscriptions, clients = list(self._subscriptions), list(self._clients)
+            else:
+                wanted = (len(self._subscriptions), len(self._clients))
+                # A wait set is made for a number of entities; filling it anew each time is cheap.
+                if wait_set is None or wanted != size:
+                    wait_set, size = self._make(wait_set, wanted), wanted
+                self._wait(wait_set, HELD_NS if held else max(0, next_idle - now))
+                subscriptions = wait_set.get_ready_entities("subscription")
+                clients = wait_set.get_ready_entities("client")
             woke = time.monotonic()
-            taken = self._take_messages(wait_set)
+            taken = self._take_messages(subscriptions, clients)
             if taken or held:
                 held = self._after()
             if taken:
                 # Let a few more come before the next turn: waking costs more than taking.
-                rest = self.pace_s - (time.monotonic() - woke)
+                rest = self._pace_s - (time.monotonic() - woke)
                 if rest > 0:
                     time.sleep(rest)
         if wait_set is not None:
@@ -172,9 +191,9 @@ class WaitThread:
         wait_set.add_guard_condition(self._guard)
         wait_set.wait(timeout_ns)
 
-    def _take_messages(self, wait_set: Any) -> bool:  # noqa: ANN401
+    def _take_messages(self, subscriptions: Sequence[int], clients: Sequence[int]) -> bool:
         taken = False
-        for pointer in wait_set.get_ready_entities("subscription"):
+        for pointer in subscriptions:
             # Till it is empty: ready is told once for a queue that holds many.
             handle, kind, take = self._subscriptions[pointer]
             while True:
@@ -183,7 +202,7 @@ class WaitThread:
                     break
                 taken = True
                 take(*got)
-        for pointer in wait_set.get_ready_entities("client"):
+        for pointer in clients:
             handle, kind, answer = self._clients[pointer]
             while True:
                 header, response = handle.take_response(kind)

@@ -1,4 +1,7 @@
-"""The entities of a node that stands for one of rclpy's: each is in the bridge, under a number."""
+"""The entities of a node that stands for one of rclpy's: each is in the bridge, under a number.
+
+Long, because rclpy's classes stand here for each other: each is made with the context and its node.
+"""
 
 from __future__ import annotations
 
@@ -88,6 +91,10 @@ class JoinedContext:
         if self.process is None:
             raise BridgeLost("ROS 2 is not joined")
         return self.process
+
+    def shorten_turns(self, pace_s: float) -> None:
+        """Have the bridge take what came so often (s), too; see `WaitThread.shorten_turns`."""
+        self.joined().ask("pace", node=self.number, pace_s=pace_s)
 
     def on_message(self, *_: object) -> None:
         """Stand here for what an entity takes."""
