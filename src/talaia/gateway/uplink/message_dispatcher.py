@@ -88,11 +88,8 @@ class MessageDispatcher:
         change_requests: ChangeRequests,
         pictures: PictureUplink,
         taps: TapService,
-<<<<<<< HEAD
         assets: AssetService,
-=======
         watch: SignalWatch,
->>>>>>> main
         reporter: DetectionReporter,
         releases: OfferedReleases,
         robot_log: LogReporter,
@@ -102,11 +99,8 @@ class MessageDispatcher:
         self._night = night  # None where the site does not observe by itself.
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
         self._taps = taps  # Raw topics, on the media connection, too.
-<<<<<<< HEAD
         self._assets = assets  # Files that the robot's description names.
-=======
         self._watch = watch  # Signals that somebody looks at.
->>>>>>> main
         self._reporter = reporter  # Sightings on their way to the hub.
         self._releases = releases  # Of this gateway's own software, which the hub offers.
         self._robot_log = robot_log  # So are lines of the robot's log.
@@ -168,11 +162,8 @@ class MessageDispatcher:
         self._robot_log.link_lost()
         self._pacer.reset_timer()
         self._taps.link_lost()
-<<<<<<< HEAD
         self._assets.link_lost()
-=======
         self._watch.link_lost()
->>>>>>> main
         self._pictures.watch((), {})
         self.update_watched_streams()
 
@@ -229,13 +220,11 @@ class MessageDispatcher:
                 self._taps.subscribe(message)
                 # Nothing of driving changes by it.
                 return
-<<<<<<< HEAD
             case AssetRequest():
                 self._assets.handle_request(message)
-=======
+                return
             case SignalSubscription():
                 self._watch.subscribe(message)
->>>>>>> main
                 return
             case RobotLogAck():
                 self._robot_log.handle_ack(message)

@@ -59,11 +59,8 @@ class GatewayLinksFeature(Feature):
             sightings=sightings,
             media=media,
             taps=core.taps,
-<<<<<<< HEAD
             assets=assets,
-=======
             watched=core.fanout.watched,
->>>>>>> main
             nights=nights,
             robot_log=robot_log,
             history=history,

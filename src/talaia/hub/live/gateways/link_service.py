@@ -99,11 +99,8 @@ class LinkService:
         sightings: SightingJournal,
         media: PictureFanout,
         taps: TapFanout,
-<<<<<<< HEAD
         assets: RobotAssets,
-=======
         watched: WatchedSignals,
->>>>>>> main
         nights: NightLink,
         robot_log: RobotLogIntake,
         history: History,
@@ -125,11 +122,8 @@ class LinkService:
             sightings: takes what cameras have seen.
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
-<<<<<<< HEAD
             assets: the same, of files of robots.
-=======
             watched: is told when a link can be asked to send soon what is on a screen.
->>>>>>> main
             nights: takes how nights stand and what was observed.
             robot_log: takes lines of robots' own logs.
             history: keeps samples.
@@ -147,11 +141,8 @@ class LinkService:
         self._reporting = reporting
         self._samples = samples
         self._sightings = sightings
-<<<<<<< HEAD
         self._media, self._taps, self._assets = media, taps, assets
-=======
-        self._media, self._taps, self._watched = media, taps, watched
->>>>>>> main
+        self._watched = watched
         self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance = attendance
         self._links = links
@@ -275,11 +266,8 @@ class LinkService:
             )
         self._media.watch(site)
         self._taps.link_up(site)
-<<<<<<< HEAD
         self._assets.link_up(site)
-=======
         self._watched.link_up(site)
->>>>>>> main
         _LOG.info("the gateway of %s is connected", site)
         return live
 
