@@ -144,9 +144,7 @@ class LinkService:
         self._media, self._taps, self._assets = media, taps, assets
         self._watched = watched
         self._nights, self._history, self._robot_log = nights, history, robot_log
-        self._attendance = attendance
-        self._links = links
-        self._admission = admission
+        self._attendance, self._links, self._admission = attendance, links, admission
         self._settings, self._clock = settings, clock
         self._flood_guard, self._places = flood_guard, places
         # Comings and goings of links are written down one after the other.
@@ -355,11 +353,9 @@ class LinkService:
                 case frames.RobotLogBatch():
                     self._robot_log.handle_batch(live, message)
                 case frames.Beat():
-                    link.send(
-                        frames.BeatReply(
-                            n=message.n, mono_us=message.mono_us, peer_us=self._now_us()
-                        )
-                    )
+                    now_us = self._now_us()
+                    reply = frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us)
+                    link.send(reply)
                 case frames.BeatReply():
                     link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
                     live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
