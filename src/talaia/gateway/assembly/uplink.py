@@ -71,12 +71,12 @@ class UplinkPart(GatewayPart):
             change_requests=reload.requests,
             pictures=video.pictures,
             taps=adapters.taps.service,
+            assets=adapters.taps.assets,
             watch=SignalWatch(
                 batches=samples.batcher,
                 reader=adapters.adapter,
                 listed=lambda: (reload.reload.now.catalogue, reload.reload.now.addresses),
             ),
-            assets=adapters.taps.assets,
             reporter=detection.reporter,
             releases=self.releases,
             robot_log=adapters.robot_log.reporter,

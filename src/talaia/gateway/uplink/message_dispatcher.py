@@ -88,8 +88,8 @@ class MessageDispatcher:
         change_requests: ChangeRequests,
         pictures: PictureUplink,
         taps: TapService,
-        watch: SignalWatch,
         assets: AssetService,
+        watch: SignalWatch,
         reporter: DetectionReporter,
         releases: OfferedReleases,
         robot_log: LogReporter,
@@ -99,8 +99,8 @@ class MessageDispatcher:
         self._night = night  # None where the site does not observe by itself.
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
         self._taps = taps  # Raw topics, on the media connection, too.
-        self._watch = watch  # Signals that somebody looks at.
         self._assets = assets  # Files that the robot's description names.
+        self._watch = watch  # Signals that somebody looks at.
         self._reporter = reporter  # Sightings on their way to the hub.
         self._releases = releases  # Of this gateway's own software, which the hub offers.
         self._robot_log = robot_log  # So are lines of the robot's log.
@@ -162,8 +162,8 @@ class MessageDispatcher:
         self._robot_log.link_lost()
         self._pacer.reset_timer()
         self._taps.link_lost()
-        self._watch.link_lost()
         self._assets.link_lost()
+        self._watch.link_lost()
         self._pictures.watch((), {})
         self.update_watched_streams()
 
@@ -220,11 +220,11 @@ class MessageDispatcher:
                 self._taps.subscribe(message)
                 # Nothing of driving changes by it.
                 return
-            case SignalSubscription():
-                self._watch.subscribe(message)
-                return
             case AssetRequest():
                 self._assets.handle_request(message)
+                return
+            case SignalSubscription():
+                self._watch.subscribe(message)
                 return
             case RobotLogAck():
                 self._robot_log.handle_ack(message)

@@ -99,8 +99,8 @@ class LinkService:
         sightings: SightingJournal,
         media: PictureFanout,
         taps: TapFanout,
-        watched: WatchedSignals,
         assets: RobotAssets,
+        watched: WatchedSignals,
         nights: NightLink,
         robot_log: RobotLogIntake,
         history: History,
@@ -122,8 +122,8 @@ class LinkService:
             sightings: takes what cameras have seen.
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
-            watched: is told when a link can be asked to send soon what is on a screen.
             assets: the same, of files of robots.
+            watched: is told when a link can be asked to send soon what is on a screen.
             nights: takes how nights stand and what was observed.
             robot_log: takes lines of robots' own logs.
             history: keeps samples.
@@ -141,12 +141,10 @@ class LinkService:
         self._reporting = reporting
         self._samples = samples
         self._sightings = sightings
-        self._media, self._taps = media, taps
-        self._watched, self._assets = watched, assets
+        self._media, self._taps, self._assets = media, taps, assets
+        self._watched = watched
         self._nights, self._history, self._robot_log = nights, history, robot_log
-        self._attendance = attendance
-        self._links = links
-        self._admission = admission
+        self._attendance, self._links, self._admission = attendance, links, admission
         self._settings, self._clock = settings, clock
         self._flood_guard, self._places = flood_guard, places
         # Comings and goings of links are written down one after the other.
@@ -266,8 +264,8 @@ class LinkService:
             )
         self._media.watch(site)
         self._taps.link_up(site)
-        self._watched.link_up(site)
         self._assets.link_up(site)
+        self._watched.link_up(site)
         _LOG.info("the gateway of %s is connected", site)
         return live
 
@@ -355,11 +353,9 @@ class LinkService:
                 case frames.RobotLogBatch():
                     self._robot_log.handle_batch(live, message)
                 case frames.Beat():
-                    link.send(
-                        frames.BeatReply(
-                            n=message.n, mono_us=message.mono_us, peer_us=self._now_us()
-                        )
-                    )
+                    now_us = self._now_us()
+                    reply = frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us)
+                    link.send(reply)
                 case frames.BeatReply():
                     link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
                     live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
