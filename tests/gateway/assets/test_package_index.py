@@ -17,6 +17,12 @@ from .package_folders import make_ament_package, make_ros1_package
 HAND = {"meshes/hand.stl": b"solid"}
 
 
+def missing(what: str) -> None:
+    if os.environ.get("TALAIA_REQUIRE_ALL"):
+        pytest.fail(f"{what} is required here and is missing")
+    pytest.skip(f"needs {what}")
+
+
 def index_of(*, ament="", ros1="") -> PackageIndex:
     return PackageIndex.from_environment({"AMENT_PREFIX_PATH": ament, "ROS_PACKAGE_PATH": ros1})
 
@@ -32,7 +38,7 @@ def test_package_of_the_first_prefix_that_has_it_counts(tmp_path) -> None:
 
 def test_ament_itself_finds_the_same(tmp_path) -> None:
     if importlib.util.find_spec("ament_index_python") is None:
-        pytest.skip("ament_index_python is not here")
+        missing("ament_index_python")
     share = make_ament_package(tmp_path, "arm", HAND)
     environment = {"AMENT_PREFIX_PATH": str(tmp_path)}
     asks = "from ament_index_python.packages import get_package_share_directory as find"
@@ -73,7 +79,7 @@ def test_ros1_package_is_found_by_the_name_in_it_but_not_within_another(tmp_path
 def test_rospack_itself_finds_the_same(tmp_path) -> None:
     # Debian's, which is of the machine's own Python.
     if not Path("/usr/lib/python3/dist-packages/rospkg").is_dir():
-        pytest.skip("rospkg is not here")
+        missing("rospkg")
     make_ros1_package(tmp_path, "src/robot/arm_description", "arm", HAND)
     environment = {"ROS_PACKAGE_PATH": str(tmp_path / "src"), "HOME": str(tmp_path)}
     found = subprocess.run(
