@@ -1,4 +1,7 @@
 import { describe, expect, test } from "vitest";
+import { tickText } from "../../src/series/time-ticks.js";
+import { HOUR_US, MINUTE_US, SECOND_US, ZoneClock } from "../../src/series/zone-clock.js";
+import { useLanguage } from "../../src/words/locale.js";
 import { knownZone, localSpan, timeText, utcSpan, zoneName } from "../../src/format/time.js";
 
 describe("moments", () => {
@@ -18,6 +21,23 @@ describe("moments", () => {
   test("the zone's name follows summer time", () => {
     const winter = Date.UTC(2026, 0, 1) * 1000;
     expect(zoneName(summer, "Europe/Madrid")).not.toBe(zoneName(winter, "Europe/Madrid"));
+  });
+
+  test("headings and axes read one clock of 24 hours, in the site's zone and in any language", () => {
+    for (const language of ["en", "ca", "es", "en-US"]) {
+      useLanguage(language);
+      for (const zone of ["Europe/Madrid", "America/Caracas", "Asia/Kolkata", "UTC"]) {
+        const clock = new ZoneClock(zone);
+        for (let hour = 0; hour < 24; hour++) {
+          const moment = summer + hour * HOUR_US;
+          const heading = timeText(moment, zone, moment).local;
+          expect(heading).toMatch(/^[0-2][0-9]:[0-5][0-9]:[0-5][0-9]$/);
+          expect(tickText(moment, SECOND_US, clock)).toBe(heading);
+          expect(heading.startsWith(tickText(moment, MINUTE_US, clock))).toBe(true);
+        }
+      }
+    }
+    useLanguage("en");
   });
 
   test("a zone that this browser does not know counts as UTC", () => {

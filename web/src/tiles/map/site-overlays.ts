@@ -138,15 +138,24 @@ async function loadPlan(site: string, plan: FloorPlanShape, frame: MapFrame): Pr
 }
 
 function gridPicture(grid: OccupancyGrid, frame: MapFrame, style: CSSStyleDeclaration): DrawnPicture | null {
-  const { width, height, resolution, origin, cells } = grid;
+  const { width, height, cells } = grid;
   if (width * height === 0 || cells.length < width * height) return null;
   const token = (name: string): string => style.getPropertyValue(`--t-${name}`);
   const pixels = gridPixels(grid, { floor: token("surface"), wall: token("text"), unknown: token("muted") });
-  // Rows of a grid count up, those of a picture down.
-  const flipped = new Uint8ClampedArray(pixels.length);
-  for (let row = 0; row < height; row++) flipped.set(pixels.subarray(row * width * 4, (row + 1) * width * 4), (height - 1 - row) * width * 4);
   const image = new OffscreenCanvas(width, height);
-  image.getContext("2d")?.putImageData(new ImageData(flipped, width, height), 0, 0);
-  const corner = { x: origin.at[0], y: origin.at[1], turn: yawOf(origin.turn), width: width * resolution, height: height * resolution };
-  return { image, width, height, corners: cornersOf(corner, frame), opacity: 0.8 };
+  image.getContext("2d")?.putImageData(new ImageData(upsideDown(pixels, width), width, height), 0, 0);
+  return { image, width, height, corners: gridCorners(grid, frame), opacity: 0.8 };
+}
+
+/** Pixels with the last row first: rows of a grid count up, those of a picture down. */
+export function upsideDown(pixels: Uint8Array, width: number): Uint8ClampedArray<ArrayBuffer> {
+  const flipped = new Uint8ClampedArray(pixels.length);
+  const row = width * 4;
+  for (let at = 0; at < pixels.length; at += row) flipped.set(pixels.subarray(at, at + row), pixels.length - row - at);
+  return flipped;
+}
+
+/** Where a grid lies on Earth; its origin is the outer corner of its first cell (nav_msgs/MapMetaData). */
+export function gridCorners({ width, height, resolution, origin }: Pick<OccupancyGrid, "width" | "height" | "resolution" | "origin">, frame: MapFrame): ReturnType<typeof cornersOf> {
+  return cornersOf({ x: origin.at[0], y: origin.at[1], turn: yawOf(origin.turn), width: width * resolution, height: height * resolution }, frame);
 }

@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { flatPosition } from "../../../src/elements/map/geodesy.js";
-import { cornersOf, drawnZones, frameOf } from "../../../src/tiles/map/site-overlays.js";
+import { gridPixels } from "../../../src/elements/scene/grid-pixels.js";
+import { cornersOf, drawnZones, frameOf, gridCorners, upsideDown } from "../../../src/tiles/map/site-overlays.js";
 import { scaleOf, sharesAt, trailOnEarth } from "../../../src/tiles/map/trail-shares.js";
 
 const FRAME = { lat: 41, lon: 2, heading: 90 };
@@ -14,6 +15,20 @@ test("a plan stands on its lower left corner, and turns about it", () => {
   expect(upright.map(place)).toEqual([[1, 7], [11, 7], [1, 2]]);
   const turned = cornersOf({ x: 1, y: 2, turn: Math.PI / 2, width: 10, height: 5 }, FRAME);
   expect(turned.map(place)).toEqual([[-4, 2], [-4, 12], [1, 2]]);
+});
+
+test("a robot's grid stands on the corner of its first cell, its first row below", () => {
+  // Two cells wide and three high, 0.5 m each; the map's x axis points north of the site's frame.
+  const half = Math.SQRT1_2;
+  const grid = { width: 2, height: 3, resolution: 0.5, origin: { at: [4, -1, 0], turn: [0, 0, 0, 1] }, cells: new Uint8Array([100, 0, 0, 0, 0, 255]) } as const;
+  expect(gridCorners(grid, FRAME).map(place)).toEqual([[4, 0.5], [5, 0.5], [4, -1]]);
+  const turned = { ...grid, origin: { at: [4, -1, 0], turn: [0, 0, half, half] } } as const;
+  expect(gridCorners(turned, FRAME).map(place)).toEqual([[2.5, -1], [2.5, 0], [4, -1]]);
+
+  const shown = upsideDown(gridPixels({ ...grid, stamp: 0, frame: "map" } as never, { floor: "#ffffff", wall: "#000000", unknown: "#808080" }), grid.width);
+  const red = [0, 1, 2, 3, 4, 5].map((pixel) => shown[4 * pixel]);
+  // The wall is the first cell: lower left. What nobody knows is the last one: upper right.
+  expect(red).toEqual([255, 128, 255, 255, 0, 255]);
 });
 
 test("a zone is drawn by the alarm and the interlock that it names", () => {
