@@ -7,17 +7,21 @@ little-endian bytes. Texts are few: they stand aside by position, with NaN in th
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
 from talaia.wire.errors import PeerError
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 __all__ = [
     "MAX_SAMPLES",
     "Columns",
     "PackedColumns",
+    "join_columns",
     "pack_columns",
     "pick_samples",
     "renumber_channels",
@@ -84,6 +88,26 @@ class _PackedMessage(Protocol):
     def value(self) -> bytes: ...
     @property
     def texts(self) -> dict[int, str]: ...
+
+
+def join_columns(pieces: Sequence[Columns]) -> Columns:
+    """Put columns one after the other; a single one is given as it is."""
+    if len(pieces) == 1:
+        return pieces[0]
+    if not pieces:
+        return Columns(np.empty(0, np.uint16), np.empty(0, np.int64), np.empty(0, np.float64), {})
+    texts: dict[int, str] = {}
+    begin = 0
+    for piece in pieces:
+        if piece.texts:
+            texts.update({begin + at: text for at, text in piece.texts.items()})
+        begin += len(piece)
+    return Columns(
+        np.concatenate([piece.channel for piece in pieces]),
+        np.concatenate([piece.time_us for piece in pieces]),
+        np.concatenate([piece.value for piece in pieces]),
+        texts,
+    )
 
 
 def slice_columns(columns: Columns, begin: int, end: int) -> Columns:

@@ -25,6 +25,7 @@ from talaia.gateway.spool.segment import SampleRecord
 from talaia.wire.columns import (
     MAX_SAMPLES,
     Columns,
+    join_columns,
     pack_columns,
     pick_samples,
     renumber_channels,
@@ -40,31 +41,13 @@ if TYPE_CHECKING:
 
     from talaia.wire.newest import NewestSamples
 
-__all__ = ["Batcher", "join_columns", "records_of"]
+__all__ = ["Batcher", "records_of"]
 
 # Samples; beyond this the event loop has stood still for seconds, and memory is not to pay for it.
 MAX_WAITING = 1_000_000
 # As many as fit the samples' column of channels.
 _CHANNELS = 65_536
 OVERRUN = "the gateway could not keep up"
-
-
-def join_columns(chunks: list[Columns]) -> Columns:
-    """Put columns one after another."""
-    if len(chunks) == 1:
-        return chunks[0]
-    texts: dict[int, str] = {}
-    at = 0
-    for chunk in chunks:
-        for position, text in chunk.texts.items():
-            texts[at + position] = text
-        at += len(chunk)
-    return Columns(
-        np.concatenate([chunk.channel for chunk in chunks]),
-        np.concatenate([chunk.time_us for chunk in chunks]),
-        np.concatenate([chunk.value for chunk in chunks]),
-        texts,
-    )
 
 
 def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[SampleRecord]:

@@ -141,11 +141,11 @@ class TunnelEnd:
         if self._ended:
             return
         self._ended = True
-        said, over = reason or self._over or "", self._over
+        said = reason or self._over or ""
         self._finish(reason)
         # What was broken off at this end stands at the other one: without a word it would wait
         # there for ever, for neither end need have anything to say.
-        if over is None or not self._other_ended:
+        if not self._other_ended:
             with contextlib.suppress(TunnelBroken):
                 await self._post_frame(FrameKind.END, said.encode())
 

@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import given, settings, strategies as st
 from many_examples import examples
 
-from talaia.hub.live.pages.conflate import conflate, join, newest, weight
+from talaia.hub.live.pages.conflate import conflate, newest, weight
 from talaia.hub.live.pages.outbox import Outbox, values_of
 from talaia.wire.browser import TO_BROWSER, Values
-from talaia.wire.columns import Columns, unpack_columns
+from talaia.wire.columns import Columns, join_columns, unpack_columns
 
 CHANNELS = 5
 
@@ -76,7 +76,7 @@ def test_newest_keeps_exactly_the_last_of_each_channel(batch) -> None:
 
 def test_texts_stay_with_their_samples() -> None:
     batch = columns(*[(0, nan)] * 3, *[(1, 1.0)] * 9, (0, nan), texts={0: "a", 2: "c", 12: "z"})
-    kept = conflate(join([batch, columns((2, nan), texts={0: "new"})]))
+    kept = conflate(join_columns([batch, columns((2, nan), texts={0: "new"})]))
     said = {int(kept.channel[at]): text for at, text in kept.texts.items()}
     assert said == {0: "z", 2: "new"}
     assert set(kept.texts.values()) >= {"a", "z", "new"}

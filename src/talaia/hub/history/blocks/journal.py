@@ -31,7 +31,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from talaia.hub.history.errors import HistoryError
-from talaia.wire.columns import MAX_SPAN_US, Columns
+from talaia.wire.columns import MAX_SPAN_US, Columns, join_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,7 +117,7 @@ def read_row(body: bytes) -> Columns:
 
 def merge_columns(parts: Sequence[Columns]) -> bytes:
     """Pack batches one after the other, as one; each has at least one sample."""
-    whole = _join_columns(parts)
+    whole = join_columns(parts)
     columns = (whole.channel.astype(np.uint16, copy=False), whole.time_us, whole.value)
     head = _HEAD.pack(MERGED, 0, len(whole), 0)
     packed = [_with_length(standalone.simple_compress(column, _MERGED)) for column in columns]
@@ -174,7 +174,7 @@ def read_rows(bodies: Sequence[bytes]) -> JournalSamples:
             parts.append(part)
             count = len(part)
         sizes[at] = count
-    return JournalSamples(_join_columns([*parts, plain.read_columns()]), sizes, damaged)
+    return JournalSamples(join_columns([*parts, plain.read_columns()]), sizes, damaged)
 
 
 class _PlainRows:
@@ -213,20 +213,6 @@ class _PlainRows:
             np.frombuffer(b"".join(self._values), "<f8"),
             {},
         )
-
-
-def _join_columns(parts: Sequence[Columns]) -> Columns:
-    texts: dict[int, str] = {}
-    at = 0
-    for part in parts:
-        texts.update({at + position: text for position, text in part.texts.items()})
-        at += len(part)
-    return Columns(
-        np.concatenate([part.channel for part in parts]),
-        np.concatenate([part.time_us for part in parts]),
-        np.concatenate([part.value for part in parts]),
-        texts,
-    )
 
 
 def _pack_columns(columns: Columns) -> bytes:

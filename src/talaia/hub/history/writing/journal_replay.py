@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 from sqlalchemy import select
 
+from talaia.hub.history.blocks.block import BlockSamples
 from talaia.hub.history.blocks.journal import JournalSamples, read_rows
 from talaia.hub.history.writing.open_blocks import Chunk
 from talaia.hub.store import history_tables as tables
@@ -136,11 +137,5 @@ def _read_tables(connection: Connection) -> Iterator[_Rows]:
 
 
 def _select_samples(chunk: Chunk, positions: NDArray[np.intp]) -> Chunk:
-    place = {int(old): new for new, old in enumerate(positions)} if chunk.texts else {}
-    return Chunk(
-        chunk.row,
-        chunk.channel[positions],
-        chunk.time_us[positions],
-        chunk.value[positions],
-        {place[p]: text for p, text in chunk.texts.items() if p in place},
-    )
+    samples = BlockSamples(chunk.time_us, chunk.value, chunk.texts)
+    return Chunk(chunk.row, chunk.channel[positions], *samples.select_positions(positions))

@@ -17,7 +17,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
 from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
-from talaia.hub.live.pages.conflate import join
+from talaia.wire.columns import join_columns
 from talaia.wire.frames import Ack, ResendRequest, SampleGap
 
 if TYPE_CHECKING:
@@ -209,7 +209,7 @@ class Ingest:
 
     async def _append_batches(self, piece: list[Batch]) -> None:
         first = piece[0]
-        columns = join([batch.columns for batch in piece])
+        columns = join_columns([batch.columns for batch in piece])
         await self._history.append_samples(
             self._site, first.boot, first.first, addresses=first.addresses, columns=columns
         )

@@ -6,9 +6,8 @@ import numpy as np
 
 from talaia.wire.columns import Columns, PackedColumns, pack_columns, pick_samples
 
-__all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "weight"]
+__all__ = ["conflate", "frames_of", "newest", "weight"]
 
-EMPTY = Columns(np.empty(0, np.uint16), np.empty(0, np.int64), np.empty(0, np.float64), {})
 # uint16, int64 and float64.
 _BYTES_A_SAMPLE = 18
 # A `str`, its place in the dict and the key, about.
@@ -22,26 +21,6 @@ def weight(columns: Columns) -> int:
         return _BYTES_A_SAMPLE * len(columns)
     # A character takes up to four bytes.
     return _BYTES_A_SAMPLE * len(columns) + sum(_BYTES_A_TEXT + 4 * len(t) for t in texts.values())
-
-
-def join(pieces: list[Columns]) -> Columns:
-    """Put columns one after the other."""
-    if len(pieces) == 1:
-        return pieces[0]
-    if not pieces:
-        return EMPTY
-    texts: dict[int, str] = {}
-    start = 0
-    for piece in pieces:
-        if piece.texts:
-            texts.update({start + at: text for at, text in piece.texts.items()})
-        start += len(piece)
-    return Columns(
-        np.concatenate([piece.channel for piece in pieces]),
-        np.concatenate([piece.time_us for piece in pieces]),
-        np.concatenate([piece.value for piece in pieces]),
-        texts,
-    )
 
 
 def conflate(columns: Columns) -> Columns:

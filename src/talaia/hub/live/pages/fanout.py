@@ -10,12 +10,12 @@ import msgspec
 import numpy as np
 
 from talaia.clock import MS
-from talaia.hub.live.pages.conflate import conflate, join
+from talaia.hub.live.pages.conflate import conflate
 from talaia.hub.live.pages.outbox import values_of
 from talaia.hub.live.pages.subscriptions import select_channels
 from talaia.hub.live.pages.watched_signals import WatchedSignals
 from talaia.wire.browser import Subscribed
-from talaia.wire.columns import Columns
+from talaia.wire.columns import Columns, join_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -158,7 +158,7 @@ class Fanout:
         group.gathered += len(picked)
         if group.gathered > _MOST_GATHERED:
             # Bounded by its channels: at most four samples of each stay.
-            group.pieces = [conflate(join(group.pieces))]
+            group.pieces = [conflate(join_columns(group.pieces))]
             group.gathered = len(group.pieces[0])
         if group.timer is not None:
             return
@@ -173,7 +173,7 @@ class Fanout:
         group.timer = None
         group.due_ns = self._clock.monotonic_ns() + group.every_ms * MS
         pieces, group.pieces, group.gathered = group.pieces, [], 0
-        _send(group, conflate(join(pieces)))
+        _send(group, conflate(join_columns(pieces)))
 
     def _group(self, live: LiveSite, selection: Selection, every_ms: int) -> _Group:
         of_site = self._groups.setdefault(live.name, {})

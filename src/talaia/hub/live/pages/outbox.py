@@ -17,8 +17,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from talaia.hub.live.pages.conflate import conflate, frames_of, join, newest, weight
+from talaia.hub.live.pages.conflate import conflate, frames_of, newest, weight
 from talaia.wire.browser import TO_BROWSER, Values
+from talaia.wire.columns import join_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Mapping
@@ -211,7 +212,10 @@ class Outbox:
             return [pending.frame]
         if len(pending.pieces) > 1:
             self.conflated += 1
-        return [self._encode(message) for message in values_of(sub, conflate(join(pending.pieces)))]
+        return [
+            self._encode(message)
+            for message in values_of(sub, conflate(join_columns(pending.pieces)))
+        ]
 
     def _take_owed(self, owed: dict[int, set[int]]) -> list[Frame]:
         sub, places = next(iter(owed.items()))
@@ -226,7 +230,7 @@ class Outbox:
         self.conflated += 1
         for step in (conflate, newest):
             for pending in self._values.values():
-                thinned = step(join(pending.pieces))
+                thinned = step(join_columns(pending.pieces))
                 after = weight(thinned)
                 self._values_weight += after - pending.weight
                 pending.pieces, pending.frame, pending.weight = [thinned], None, after
