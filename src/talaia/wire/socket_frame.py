@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import struct
 
-__all__ = ["SocketFrame"]
+__all__ = ["FRAME_WRITER", "SocketFrame"]
+
+# The extension of ASGI by which a `SocketFrame` is written at once: {"write": a function that
+# gives False where it cannot, and has done nothing then}.
+FRAME_WRITER = "talaia.frame_writer"
 
 # A final frame of text and one of bytes, and after them how its length is written (RFC 6455, 5.2).
 _TEXT, _BINARY = 0x81, 0x82

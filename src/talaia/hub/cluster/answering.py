@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from talaia.hub.cluster.frames import FrameKind
-from talaia.hub.cluster.requests import unpack_scope
+from talaia.hub.cluster.requests import takes_shared, unpack_scope
+from talaia.hub.cluster.shared_frames import SharedFrames
 from talaia.hub.cluster.tunnel import TunnelBroken, TunnelEnd, TunnelName
+from talaia.wire.socket_frame import FRAME_WRITER
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
@@ -35,6 +37,7 @@ class Answering:
     def __init__(self, post: Callable[[TunnelName, BusLane, TunnelFrame], Awaitable[None]]) -> None:
         """Answer by ``post``; nothing is answered before `begin_answering`."""
         self._post = post
+        self._shared = SharedFrames(post)
         self._app: ASGIApp | None = None
         self._running: dict[TunnelName, tuple[TunnelEnd, asyncio.Task[None]]] = {}
         # By hub, the last number that it opened: what comes again is a replay.
@@ -92,12 +95,16 @@ class Answering:
             # The run that was heard of first is over long since.
             del self._last[next(iter(self._last))]
         try:
-            scope = unpack_scope(_ABOUT.decode(frame.payload))
+            packed = _ABOUT.decode(frame.payload)
+            scope = unpack_scope(packed)
         except (msgspec.DecodeError, KeyError, TypeError, ValueError) as error:
             _LOG.warning("a request of another hub cannot be read: %r", error)
             self._refuse(name, lane)
             return
-        tunnel = TunnelEnd(name, lane, scope["type"], post=self._post)
+        shared = self._shared if takes_shared(packed) else None
+        tunnel = TunnelEnd(name, lane, scope["type"], post=self._post, shared=shared)
+        if shared is not None:
+            scope["extensions"][FRAME_WRITER] = {"write": tunnel.write_shared}
         tunnel.receive_frame(frame)
         task = asyncio.create_task(self._answer(app, scope, tunnel))
         self._running[name] = tunnel, task

@@ -8,7 +8,9 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from talaia.hub.cluster.requests import lane_of, pack_scope
+from talaia.hub.cluster.shared_frames import read_shared
 from talaia.hub.cluster.tunnel import TunnelBroken, TunnelEnd, TunnelName
+from talaia.wire.socket_frame import FRAME_WRITER
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -67,7 +69,10 @@ class Entrance:
         if lead is None or len(self._open) >= _MOST_OPEN:
             raise NoLead("no hub leads just now")
         name = TunnelName(lead, next(self._numbers))
-        tunnel = TunnelEnd(name, lane_of(scope), scope["type"], post=self._post)
+        writer = scope.get("extensions", {}).get(FRAME_WRITER)
+        tunnel = TunnelEnd(
+            name, lane_of(scope), scope["type"], post=self._post, write=writer and writer["write"]
+        )
         self._open[name] = tunnel
         if scope["path"] == "/gateway/link":
             self._gateways.add(name)
@@ -83,6 +88,19 @@ class Entrance:
         tunnel = self._open.get(name)
         if tunnel is not None:
             tunnel.receive_frame(frame)
+
+    def receive_shared(self, hub: str, payload: bytes) -> None:
+        """Take a frame of the hub ``hub``, that leads, for many sockets."""
+        read = read_shared(payload)
+        if read is None:
+            # Each of its tunnels sees the hole.
+            _LOG.warning("a shared frame of another hub cannot be read")
+            return
+        takers, frame = read
+        for number, sequence in takers:
+            tunnel = self._open.get(TunnelName(hub, number))
+            if tunnel is not None:
+                tunnel.receive_shared(sequence, frame)
 
     def break_off(self, reason: str, *, but: str | None = None) -> None:
         """End every tunnel, but for those to the hub ``but``."""

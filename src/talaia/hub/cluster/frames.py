@@ -30,6 +30,7 @@ class FrameKind(enum.IntEnum):
     CREDIT = 4  # so many bytes were taken; so many more may come
     END = 5  # nothing more comes; the reason, empty after a good end
     NOTICE = 6  # a hub is here, and how it stands
+    SHARED = 7  # one message for many sockets; see `shared_frames`
 
 
 class TunnelFrame(NamedTuple):

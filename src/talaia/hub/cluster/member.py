@@ -243,7 +243,10 @@ class ClusterMember:
 
     def _hear_tunnel(self, lane: BusLane, hub: str, frame: TunnelFrame) -> None:
         name = TunnelName(hub, frame.tunnel)
-        if self._epoch:
+        if frame.kind is FrameKind.SHARED:
+            # Only a hub that leads sends these.
+            self.entrance.receive_shared(hub, frame.payload)
+        elif self._epoch:
             if frame.kind is FrameKind.OPEN:
                 self.peers.hear_request(hub, self._clock.monotonic_ns())
             self.answering.receive_frame(name, lane, frame)

@@ -9,7 +9,7 @@ from talaia.hub.cluster.bus import BusLane
 if TYPE_CHECKING:
     from starlette.types import Scope
 
-__all__ = ["lane_of", "pack_scope", "unpack_scope"]
+__all__ = ["lane_of", "pack_scope", "takes_shared", "unpack_scope"]
 
 # Sockets of pictures, files and raw topics: whatever is large.
 _LARGE = ("/ws/media", "/ws/topic", "/gateway/media", "/gateway/files")
@@ -35,7 +35,14 @@ def pack_scope(scope: Scope) -> dict[str, Any]:
         packed[word] = list(scope[word]) if scope.get(word) else None
     packed["subprotocols"] = list(scope.get("subprotocols", ()))
     packed["denial"] = _DENIAL in scope.get("extensions", {})
+    # Hubs of before this word know no frames that many sockets share.
+    packed["shared"] = scope["type"] == "websocket"
     return packed
+
+
+def takes_shared(packed: dict[str, Any]) -> bool:
+    """Tell whether the hub that handed a request over hands frames on that many sockets share."""
+    return packed.get("shared") is True
 
 
 def unpack_scope(packed: dict[str, Any]) -> Scope:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from talaia.hub.cluster.bus import BusLane
+    from talaia.hub.cluster.shared_frames import SharedFrames
+    from talaia.wire.socket_frame import SocketFrame
 
     # As ASGI has it.
     AsgiMessage = dict[str, Any]
@@ -32,6 +34,8 @@ _SOCKET_WINDOW = 64 * 1024
 _HTTP_WINDOW = 512 * 1024
 # A message whose pieces are put together here is no longer than this (bytes).
 _LONGEST = 64 * 1024 * 1024
+# A frame that is shared is no longer than this (bytes): what is larger goes in pieces.
+_LONGEST_SHARED = 64 * 1024
 _NUMBER = msgspec.msgpack.Decoder(int)
 _MESSAGE = msgspec.msgpack.Decoder(dict[str, Any])
 
@@ -69,10 +73,19 @@ class TunnelEnd:
         kind: str,
         *,
         post: Callable[[TunnelName, BusLane, TunnelFrame], Awaitable[None]],
+        shared: SharedFrames | None = None,
+        write: Callable[[SocketFrame], bool] | None = None,
     ) -> None:
-        """Send frames by ``post``."""
+        """Send frames by ``post``, and those that many sockets get by ``shared``, if there is one.
+
+        ``write`` writes such a frame to this end's own socket at once, or gives False.
+        """
         self.name, self.lane, self.kind = name, lane, kind
         self._post = post
+        self._shared = shared
+        self._write = write
+        # Frames of this tunnel may wait in ``shared``: the next one goes behind them.
+        self._shares = False
         self._sent = 0
         self._check = SequenceCheck()
         self._window = CreditWindow(window_of(kind))
@@ -84,6 +97,9 @@ class TunnelEnd:
         self._turn = asyncio.Lock()
         # What has come and was not read, with its size; and the pieces of what is not whole yet.
         self._come: deque[tuple[AsgiMessage, int]] = deque()
+        # What was read last may not be handed on yet.
+        self._handing = False
+        self._telling: set[asyncio.Task[None]] = set()
         self._pieces: list[bytes] = []
         self._news = asyncio.Event()
         # Why nothing more comes; empty: a good end. None: it goes on.
@@ -123,14 +139,50 @@ class TunnelEnd:
                 self._window.spend_bytes(len(piece))
                 await self._send_frame(kind, piece)
 
+    def write_shared(self, frame: SocketFrame) -> bool:
+        """Send a frame that other sockets get, too; never waits.
+
+        False: nothing is sent, since something stands before it or it is too long. It is then to
+        be sent by `send_message`.
+        """
+        if (
+            self._shared is None
+            or self._over is not None
+            or self._turn.locked()
+            or not self._window.has_room
+            or len(frame) > _LONGEST_SHARED
+        ):
+            return False
+        self._window.spend_bytes(len(frame))
+        self._shared.add_taker(self, self._sent, frame)
+        self._sent += 1
+        self._shares = True
+        return True
+
+    def receive_shared(self, sequence: int, frame: SocketFrame) -> None:
+        """Take a frame that other sockets get, too: at once, if nothing stands before it."""
+        if self._over is not None:
+            return
+        if not self._check.accept_number(sequence):
+            self.break_off("something was lost between two hubs")
+            return
+        if not (self._come or self._handing) and self._write is not None and self._write(frame):
+            self._count_taken(len(frame))
+            return
+        word = "text" if isinstance(frame.data, str) else "bytes"
+        self._come.append(({"type": "websocket.send", word: frame.data}, len(frame)))
+        self._news.set()
+
     async def receive_message(self) -> AsgiMessage | None:
         """Give the next message; None at the end."""
+        self._handing = False
         while not self._come:
             if self._over is not None:
                 return None
             self._news.clear()
             await self._news.wait()
         message, size = self._come.popleft()
+        self._handing = True
         told = self._taken.add_taken(size)
         if told and self._over is None:
             await self._send_frame(FrameKind.CREDIT, msgspec.msgpack.encode(told))
@@ -168,14 +220,26 @@ class TunnelEnd:
             case FrameKind.END:
                 self._other_ended = True
                 self._finish(frame.payload.decode(errors="replace"))
-            # One was opened already, and a notice has no tunnel.
-            case FrameKind.OPEN | FrameKind.NOTICE:
+            # One was opened already, and the others are told apart before.
+            case FrameKind.OPEN | FrameKind.NOTICE | FrameKind.SHARED:
                 pass
 
     def break_off(self, reason: str) -> None:
         """End it here: nothing that is under way counts any more."""
         self._come.clear()
         self._finish(reason or "broken off")
+
+    def _count_taken(self, size: int) -> None:
+        told = self._taken.add_taken(size)
+        if told:
+            telling = asyncio.create_task(self._tell_taken(told))
+            self._telling.add(telling)
+            telling.add_done_callback(self._telling.discard)
+
+    async def _tell_taken(self, size: int) -> None:
+        # Where it cannot be told, the tunnel is over.
+        with contextlib.suppress(TunnelBroken):
+            await self._send_frame(FrameKind.CREDIT, msgspec.msgpack.encode(size))
 
     def _add_piece(self, frame: TunnelFrame) -> None:
         self._pieces.append(frame.payload)
@@ -204,6 +268,10 @@ class TunnelEnd:
         await self._post_frame(kind, payload)
 
     async def _post_frame(self, kind: FrameKind, payload: bytes) -> None:
+        # Again and again: more may be written while that is posted.
+        while self._shares and self._shared is not None:
+            self._shares = False
+            await self._shared.post_waiting(self)
         frame = TunnelFrame(kind, self.name.number, self._sent, payload)
         self._sent += 1
         try:

@@ -12,8 +12,7 @@ import uvicorn
 import websockets
 
 from talaia.hub.api.server.large_messages import LARGEST_PIECE, HubSocketProtocol
-from talaia.hub.live.pages.page_transport import FRAME_WRITER
-from talaia.wire.socket_frame import SocketFrame
+from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable

@@ -13,8 +13,7 @@ from websockets.exceptions import InvalidState
 from websockets.protocol import State
 
 from talaia.bounded_http import EndingSocketProtocol
-from talaia.hub.live.pages.page_transport import FRAME_WRITER
-from talaia.wire.socket_frame import SocketFrame
+from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 if TYPE_CHECKING:
     from uvicorn._types import ASGISendEvent

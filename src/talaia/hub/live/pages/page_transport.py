@@ -11,7 +11,7 @@ from talaia.hub.policy import BY_DISPLAY, NOT_BY_SCRIPT
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, PageLease, RequestError
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LeaseOp
-from talaia.wire.socket_frame import SocketFrame
+from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,11 +21,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.pages.outbox import Frame
     from talaia.wire.browser import FromBrowser, ToBrowser
 
-__all__ = ["FRAME_WRITER", "GONE", "PageTransport", "SocketTransport"]
-
-# The extension of ASGI by which our server writes a `SocketFrame` at once: {"write": a function
-# that gives False where it cannot}. Over a hub that hands a socket through there is none.
-FRAME_WRITER = "talaia.frame_writer"
+__all__ = ["GONE", "PageTransport", "SocketTransport"]
 
 # A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
 _SILENT_S = 150.0
