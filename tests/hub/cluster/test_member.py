@@ -9,6 +9,7 @@ import pytest_asyncio
 
 from talaia.clock import HandClock
 from talaia.hub.cluster.member import ClusterMember
+from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 
 class Ether:
@@ -149,3 +150,46 @@ async def test_a_page_whose_way_the_lead_ends_hears_so_by_a_hub_that_lives_after
     assert page.done()
     assert asked.closed == [1012]
     assert asked.ended == ["websocket.disconnect"]
+
+
+async def test_what_the_lead_writes_to_many_pages_is_written_at_once_by_the_hub_between() -> None:
+    ether = Ether()
+    lead, between = await member_on(ether, "east"), await member_on(ether, "west")
+    writers, wrote, sent = [], [], []
+
+    async def answer(scope, receive, send) -> None:
+        await receive()
+        await send({"type": "websocket.accept"})
+        writers.append(scope["extensions"][FRAME_WRITER]["write"])
+        await receive()
+
+    await lead.begin_leading(answer, 1)
+    await between._say_notice()
+    asked = [{"type": "websocket.connect"}] * 3
+
+    async def ask():
+        return asked.pop() if asked else await asyncio.Future()
+
+    async def hear(message) -> None:
+        sent.append(message["type"])
+
+    def take_frame(frame) -> bool:
+        wrote.append(frame)
+        return True
+
+    extensions = {FRAME_WRITER: {"write": take_frame}}
+    scope = {"type": "websocket", "path": "/ws", "headers": [], "extensions": extensions}
+    pages = [
+        asyncio.create_task(between.entrance.serve_request({**scope}, ask, hear)) for _ in range(3)
+    ]
+    await turns()
+    frame = SocketFrame(b"values")
+    assert all(write(frame) for write in writers)
+    await turns()
+    # Made once, so that its bytes are the same for each socket.
+    assert [taken.data for taken in wrote] == [b"values"] * 3
+    assert len({id(taken) for taken in wrote}) == 1
+    assert sent == ["websocket.accept"] * 3
+    for page in pages:
+        page.cancel()
+    await asyncio.gather(*pages, return_exceptions=True)

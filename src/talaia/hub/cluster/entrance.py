@@ -7,6 +7,7 @@ import itertools
 import logging
 from typing import TYPE_CHECKING, Any
 
+from talaia.hub.cluster.frames import FrameKind, TunnelFrame
 from talaia.hub.cluster.requests import lane_of, pack_scope
 from talaia.hub.cluster.shared_frames import read_shared
 from talaia.hub.cluster.tunnel import TunnelBroken, TunnelEnd, TunnelName
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
 
     from talaia.hub.cluster.bus import BusLane
-    from talaia.hub.cluster.frames import TunnelFrame
 
 __all__ = ["Entrance", "NoLead"]
 
@@ -85,22 +85,12 @@ class Entrance:
 
     def receive_frame(self, name: TunnelName, frame: TunnelFrame) -> None:
         """Take a frame of the hub that leads."""
+        if frame.kind is FrameKind.SHARED:
+            self._receive_shared(name.hub, frame.payload)
+            return
         tunnel = self._open.get(name)
         if tunnel is not None:
             tunnel.receive_frame(frame)
-
-    def receive_shared(self, hub: str, payload: bytes) -> None:
-        """Take a frame of the hub ``hub``, that leads, for many sockets."""
-        read = read_shared(payload)
-        if read is None:
-            # Each of its tunnels sees the hole.
-            _LOG.warning("a shared frame of another hub cannot be read")
-            return
-        takers, frame = read
-        for number, sequence in takers:
-            tunnel = self._open.get(TunnelName(hub, number))
-            if tunnel is not None:
-                tunnel.receive_shared(sequence, frame)
 
     def break_off(self, reason: str, *, but: str | None = None) -> None:
         """End every tunnel, but for those to the hub ``but``."""
@@ -129,6 +119,18 @@ class Entrance:
             for tunnel in sockets[first : first + size]:
                 # The lead is told, too: what a page holds there is free before it comes again.
                 await tunnel.end_tunnel(reason)
+
+    def _receive_shared(self, hub: str, payload: bytes) -> None:
+        read = read_shared(payload)
+        if read is None:
+            # Each of its tunnels sees the hole.
+            _LOG.warning("a shared frame of another hub cannot be read")
+            return
+        takers, frame = read
+        for number, sequence in takers:
+            tunnel = self._open.get(TunnelName(hub, number))
+            if tunnel is not None:
+                tunnel.receive_shared(sequence, frame)
 
     async def _hand_through(
         self, tunnel: TunnelEnd, scope: Scope, receive: Receive, send: Send

@@ -243,10 +243,8 @@ class ClusterMember:
 
     def _hear_tunnel(self, lane: BusLane, hub: str, frame: TunnelFrame) -> None:
         name = TunnelName(hub, frame.tunnel)
-        if frame.kind is FrameKind.SHARED:
-            # Only a hub that leads sends these.
-            self.entrance.receive_shared(hub, frame.payload)
-        elif self._epoch:
+        # What is shared comes of a hub that led a moment ago, and answers nothing here.
+        if self._epoch and frame.kind is not FrameKind.SHARED:
             if frame.kind is FrameKind.OPEN:
                 self.peers.hear_request(hub, self._clock.monotonic_ns())
             self.answering.receive_frame(name, lane, frame)

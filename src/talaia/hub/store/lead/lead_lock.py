@@ -32,8 +32,12 @@ if TYPE_CHECKING:
 __all__ = ["LeadLock"]
 
 _LOG = logging.getLogger(__name__)
-# Between two looks of a hub that waits or leads (s).
+# Between two looks of a hub that waits (s).
 LOOK_S = 0.25
+# One that leads only shows that it lives, and loses nothing by asking less often (s).
+_LEADING_LOOK_S = 0.5
+# A hub that waits asks how long the lead has been silent at each so many of its looks.
+_SILENCE_LOOKS = 2
 # A lead that has asked nothing for so long stands still, or is cut off from the database (s).
 SILENT_S = 3.0
 # Sessions that were ended are waited for so long (s).
@@ -98,6 +102,7 @@ class LeadLock:
         self.tried = threading.Event()
         # Another hub had it when this one looked first: it is a take-over.
         self._waited = False
+        self._waiting_looks = 0
         self._thread = threading.Thread(target=self._run, name="lead-lock", daemon=True)
 
     @property
@@ -149,7 +154,8 @@ class LeadLock:
             else:
                 self.answered_ms = round((time.monotonic() - began) * 1000, 2)
             self.tried.set()
-            if self._stopping.wait(self._look_s):
+            pause_s = max(self._look_s, _LEADING_LOOK_S) if self.held else self._look_s
+            if self._stopping.wait(pause_s):
                 break
         with contextlib.suppress(*_FAILURES):
             self._close()
@@ -183,6 +189,9 @@ class LeadLock:
         self._waited = True
         if self._led:
             self._give_up()
+            return
+        self._waiting_looks += 1
+        if self._waiting_looks % _SILENCE_LOOKS:
             return
         holder = self._ask(self._words.holder)
         silent = None if holder is None else self._ask(self._words.silent, int(holder))
