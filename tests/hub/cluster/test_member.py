@@ -165,10 +165,14 @@ async def test_what_the_lead_writes_to_many_pages_is_written_at_once_by_the_hub_
 
     await lead.begin_leading(answer, 1)
     await between._say_notice()
-    asked = [{"type": "websocket.connect"}] * 3
 
-    async def ask():
-        return asked.pop() if asked else await asyncio.Future()
+    def asker():
+        asked = [{"type": "websocket.connect"}]
+
+        async def ask():
+            return asked.pop() if asked else await asyncio.Future()
+
+        return ask
 
     async def hear(message) -> None:
         sent.append(message["type"])
@@ -180,7 +184,8 @@ async def test_what_the_lead_writes_to_many_pages_is_written_at_once_by_the_hub_
     extensions = {FRAME_WRITER: {"write": take_frame}}
     scope = {"type": "websocket", "path": "/ws", "headers": [], "extensions": extensions}
     pages = [
-        asyncio.create_task(between.entrance.serve_request({**scope}, ask, hear)) for _ in range(3)
+        asyncio.create_task(between.entrance.serve_request({**scope}, asker(), hear))
+        for _ in range(3)
     ]
     await turns()
     frame = SocketFrame(b"values")
