@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = [
     "EMPTY",
     "BlockSamples",
+    "Reading",
     "concatenate_samples",
     "decode_block",
     "decode_run",
@@ -46,6 +47,10 @@ HOUR_US = 3_600_000_000
 PAUSE = 64.0
 
 
+# Time (µs), value and text of one sample.
+Reading = tuple[int, float, str]
+
+
 class BlockSamples(NamedTuple):
     """Samples of one channel; the arrays have the shape (n,), ``texts`` goes by position."""
 
@@ -65,6 +70,19 @@ class BlockSamples(NamedTuple):
             return self
         texts = {p - first: text for p, text in self.texts.items() if first <= p < past}
         return BlockSamples(self.time_us[first:past], self.value[first:past], texts)
+
+    def up_to(self, to_us: int) -> BlockSamples:
+        """Keep what is not after a time; the times need not be in order."""
+        if not self.time_us.size or int(self.time_us.max()) <= to_us:
+            return self
+        return self.select_positions(np.flatnonzero(self.time_us <= to_us))
+
+    def newest_reading(self) -> Reading:
+        """Give the newest of at least one sample; of equal times the one that came last."""
+        at = self.time_us.size - 1
+        if self.time_us[at] < self.time_us.max():
+            at -= int(self.time_us[::-1].argmax())
+        return int(self.time_us[at]), float(self.value[at]), self.texts.get(at, "")
 
     def select_positions(self, positions: NDArray[np.intp]) -> BlockSamples:
         """Keep these positions, in this order, each at most once."""

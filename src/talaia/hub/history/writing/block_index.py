@@ -25,6 +25,7 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.plain_rows import Recent
 from talaia.hub.history.writing.bulk_writes import insert_rows
 from talaia.hub.history.writing.channel_ids import Names, write_counters
+from talaia.hub.history.writing.chunks import Chunk
 from talaia.hub.history.writing.compaction import (
     Newest,
     Saved,
@@ -41,7 +42,7 @@ from talaia.hub.history.writing.journal_replay import (
     replay_journal,
 )
 from talaia.hub.history.writing.merged_rows import RowMerger
-from talaia.hub.history.writing.open_blocks import Chunk, Tails
+from talaia.hub.history.writing.open_blocks import Tails
 from talaia.hub.history.writing.retention import delete_blocks
 from talaia.hub.history.writing.seal_choice import SealChoice
 from talaia.hub.history.writing.site_jobs import adopt_blocks, count_outside, forget_site
