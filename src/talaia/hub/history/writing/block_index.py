@@ -76,7 +76,6 @@ if TYPE_CHECKING:
     from talaia.hub.history.writing.retention import Doomed
     from talaia.hub.history.writing.site_jobs import Adopted, Forgotten
     from talaia.hub.history.writing.writer_jobs import Job
-    from talaia.wire.columns import Columns
 
 __all__ = ["BlockIndex"]
 
@@ -97,7 +96,6 @@ class _Draft:
     def __init__(self) -> None:
         # Of the journal: every batch as it came.
         self.rows: list[dict[str, Any]] = []
-        self.columns: list[Columns] = []
         # A row in the place of several that are there.
         self.merged: MergedRow | None = None
         # What is lost for good.
@@ -330,7 +328,6 @@ class BlockIndex:
                     "body": body,
                 }
             )
-            draft.columns.append(part)
             ids = catalogue.channels[part.channel]
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
@@ -442,4 +439,4 @@ class BlockIndex:
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
         if self._merges_rows:
-            self._merger.add_rows(draft.rows, draft.columns, self.tails.deals)
+            self._merger.add_rows(draft.rows, self.tails.deals)
