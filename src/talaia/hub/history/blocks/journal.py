@@ -25,6 +25,7 @@ and the texts.
 from __future__ import annotations
 
 import struct
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
@@ -261,13 +262,19 @@ def _pack_columns(columns: Columns) -> bytes:
         has_steps = channel.size >= _STEPS_OF * channels.size
         version = MANY_CHANNELS
         configs = (_KEPT_TIMES if has_steps else _KEPT_MOMENTS, _KEPT_VALUES)
-        runs = b"".join(
-            _compress(column, _TIMES)
-            for column in (channels.astype(np.uint16, copy=False), counts.astype(np.uint32))
+        runs = _pack_runs(
+            channels.astype(np.uint16, copy=False).tobytes(), counts.astype(np.uint32).tobytes()
         )
     head = _HEAD.pack(version, 0, len(columns), channels.size)
     times, values = _compress(time_us, configs[0]), _compress(value, configs[1])
     return b"".join((head, runs, times, values, texts))
+
+
+@lru_cache(16)
+def _pack_runs(channels: bytes, counts: bytes) -> bytes:
+    """Pack the channels of a row and their counts: of a gateway they are often those of before."""
+    columns = np.frombuffer(channels, np.uint16), np.frombuffer(counts, np.uint32)
+    return b"".join(_compress(column, _TIMES) for column in columns)
 
 
 def _compress(column: NDArray[Any], config: ChunkConfig) -> bytes:
