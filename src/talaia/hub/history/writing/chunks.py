@@ -31,6 +31,8 @@ __all__ = [
 _LOOKED_UP = 1_000
 # NumPy sorts numbers below it by their digits, in a fifth of the time.
 _SHORT = 1 << 16
+# So few channels are looked for one after the other.
+_FEW = 3
 
 
 class Chunk(NamedTuple):
@@ -113,9 +115,7 @@ def pick_channels(
 
     """
     asked = np.array(list(channels), np.int64)
-    # One more: what is beyond it counts as not asked for.
-    wanted = np.zeros(int(asked.max()) + 2, np.bool_)
-    wanted[asked] = True
+    wanted = _Wanted(asked)
     found: list[Chunk] = []
     for stretch in stretches:
         if asked.size * _LOOKED_UP < stretch.chunk.channel.size:
@@ -128,8 +128,25 @@ def pick_channels(
     return join_chunks(found) if found else None
 
 
-def _pick_wanted(chunk: Chunk, wanted: NDArray[np.bool_]) -> list[Chunk]:
-    positions = np.flatnonzero(wanted.take(chunk.channel, mode="clip"))
+class _Wanted:
+    """Channels that are sought."""
+
+    def __init__(self, channels: NDArray[np.int64]) -> None:
+        self._channels: list[int] = channels.tolist() if channels.size <= _FEW else []
+        # One more: what is beyond it counts as not asked for.
+        self._is_asked = np.zeros(int(channels.max()) + 2, np.bool_)
+        self._is_asked[channels] = True
+
+    def find(self, ids: NDArray[np.int64]) -> NDArray[np.intp]:
+        """Give where they are; of each in the order in which they came."""
+        if self._channels:
+            # To compare is quicker than to look up.
+            return np.concatenate([np.flatnonzero(ids == one) for one in self._channels])
+        return np.flatnonzero(self._is_asked.take(ids, mode="clip"))
+
+
+def _pick_wanted(chunk: Chunk, wanted: _Wanted) -> list[Chunk]:
+    positions = wanted.find(chunk.channel)
     return [chunk.select_positions(positions)] if positions.size else []
 
 

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["NewestHeld", "Snapshot", "Tail", "Tails"]
 
-# More pieces of a tail are joined to one, and so many batches that wait.
+# More pieces of a tail are joined to one, and so many batches that wait, or of so many samples.
 _PARTS = 64
+_MOST_SINGLE = 32_768
 # Taking batches apart costs by the channel, so it waits for so many samples of each. A reader looks
 # through all that wait, so it is not more than so many in all.
 _OF_EACH = 16
@@ -135,8 +136,8 @@ class Tails:
         self._recent: list[Chunk] = []
         # The row of the newest of them.
         self._recent_row = row
-        # Samples in all of them.
-        self._waiting = 0
+        # Samples in all of them, and in the last few.
+        self._waiting = self._single = 0
         # By channel id; a channel has one only while it has samples outside blocks.
         self._tails: dict[int, Tail] = {}
         # Taking batches apart pays only from so many samples on; more, if there are many channels.
@@ -169,10 +170,11 @@ class Tails:
             for chunk in chunks:
                 self._recent.append(chunk)
                 self._recent_row = last_row or chunk.row
-                # A reader looks through ten thousand small arrays slowly.
-                if len(self._recent) == _PARTS:
+                self._single += chunk.time_us.size
+                # A reader looks through ten thousand small arrays slowly, and through large ones.
+                if len(self._recent) == _PARTS or self._single >= _MOST_SINGLE:
                     self._joined.append(Stretch(join_chunks(self._recent)))
-                    self._recent = []
+                    self._recent, self._single = [], 0
             self._waiting += sum(chunk.time_us.size for chunk in chunks)
 
     def waiting_channels(self) -> set[int]:
@@ -214,7 +216,8 @@ class Tails:
                 tail.add_samples(samples)
                 if tail.oldest_row is None:
                     tail.oldest_row = row
-            self._joined, self._recent, self._waiting = [], [], 0
+            self._joined, self._recent = [], []
+            self._waiting = self._single = 0
             self._enough_waiting = 0
             self._needed = None
             self.deals += 1
