@@ -51,6 +51,7 @@ BATCH = 1_000
 SITES = 8
 MANY_SITES = 200
 EACH = 30
+TOGETHER = 20
 
 
 class Span(NamedTuple):
@@ -200,8 +201,10 @@ async def fill_many(folder: Path, urls: list[str]) -> None:
     count = f"{MANY_SITES * SIGNALS} signals"
     began = time.perf_counter()
     with timed(f"{MANY_SITES} sites with {count} are described"):
-        # As gateways that join at once.
-        await asyncio.gather(*map(history.describe_site, described))
+        # As gateways that join together.
+        for first in range(0, MANY_SITES, TOGETHER):
+            some = described[first : first + TOGETHER]
+            await asyncio.gather(*map(history.describe_site, some))
     with timed(f"the first values of {count} are stored"):
         await asyncio.gather(*(
             history.append_samples(
