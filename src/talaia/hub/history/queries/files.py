@@ -170,7 +170,7 @@ def _is_noise(column: pa.ChunkedArray) -> bool:
     if not len(values):
         return False
     plain = values.buffers()[1].slice(8 * values.offset, 8 * len(values))
-    return len(pa.compress(plain, "zstd", asbytes=True)) > _WORTH_LESS * plain.size
+    return bool(len(pa.compress(plain, "zstd", asbytes=True)) > _WORTH_LESS * plain.size)
 
 
 def _make_writer(form: FileForm, columns: list[ExportColumn], sink: _Sink) -> _Writer:

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SensorRegistry"]
 
+# Without a description for so long, views are made (s).
+_QUIET_S = 0.2
 _LOG = logging.getLogger(__name__)
 
 
@@ -56,11 +58,11 @@ class SensorRegistry:
         self._showing: set[asyncio.Task[None]] = set()
         # Sites take turns: the writing connection is one, and samples need it in between.
         self._one_site = asyncio.Lock()
-        # Descriptions that are being written down, and whether there is none: views wait for it,
-        # for they take the writing connection a hundred times as long.
+        # Descriptions that are being written down: views wait for them, for they take the writing
+        # connection a hundred times as long.
         self._describing = 0
-        self._is_quiet = asyncio.Event()
-        self._is_quiet.set()
+        # How many there were, and when it was looked last whether there are more.
+        self._described = self._seen = 0
         # Views that are not made yet wait for the next description.
         self._closing = False
 
@@ -82,13 +84,11 @@ class SensorRegistry:
     def hold_views(self) -> Iterator[None]:
         """Begin with no further site's views meanwhile: somebody waits for a description."""
         self._describing += 1
-        self._is_quiet.clear()
+        self._described += 1
         try:
             yield
         finally:
             self._describing -= 1
-            if not self._describing:
-                self._is_quiet.set()
 
     async def describe_site(self, site: Site, channels: Mapping[tuple[str, str], int]) -> None:
         """Write down what a description's sensors are; their views are made behind it.
@@ -140,8 +140,9 @@ class SensorRegistry:
     async def _show_sensors(self, site: str, sensors: list[SensorView]) -> None:
         async with self._one_site:
             # Those that come one after the other leave a moment of quiet between them.
-            while self._describing:
-                await self._is_quiet.wait()
+            while (self._describing or self._seen != self._described) and not self._closing:
+                self._seen = self._described
+                await asyncio.sleep(_QUIET_S)
             try:
                 made = await self._threads.run_query(
                     show_sensors, self._writing, site, sensors, lambda: self._closing

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from talaia.hub.store.dialects.choice import dialect_of
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection, Table
 
-    from talaia.hub.store.dialects.dialect import Row, Values
+    from talaia.hub.store.dialects.dialect import Row
 
 __all__ = ["insert_rows", "insert_values", "put_rows"]
 
@@ -23,7 +23,7 @@ def insert_rows(connection: Connection, table: Table, rows: Sequence[Row]) -> No
 
 
 def insert_values(
-    connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[Values]
+    connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[Sequence[Any]]
 ) -> None:
     """Insert rows of values of these columns; of thousands, dicts would take longer to make."""
     if rows:

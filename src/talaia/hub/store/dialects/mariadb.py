@@ -124,7 +124,7 @@ class MariadbDialect:
         connection: Connection,
         table: Table,
         names: tuple[str, ...],
-        rows: Sequence[Values],
+        rows: Sequence[Sequence[Any]],
         *,
         in_place: bool,
     ) -> None:

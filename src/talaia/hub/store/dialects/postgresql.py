@@ -103,7 +103,7 @@ class PostgresqlDialect:
         connection: Connection,
         table: Table,
         names: tuple[str, ...],
-        rows: Sequence[Values],
+        rows: Sequence[Sequence[Any]],
         *,
         in_place: bool,
     ) -> None:

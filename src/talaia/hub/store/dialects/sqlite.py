@@ -120,7 +120,7 @@ class SqliteDialect:
         connection: Connection,
         table: Table,
         names: tuple[str, ...],
-        rows: Sequence[Values],
+        rows: Sequence[Sequence[Any]],
         *,
         in_place: bool,
     ) -> None:
