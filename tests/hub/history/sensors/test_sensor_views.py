@@ -1,7 +1,7 @@
 """Each sensor's view shows its name, its time and its values to anyone with an SQL client."""
 
-import sqlite3
 import asyncio
+import sqlite3
 import threading
 from contextlib import closing
 

@@ -161,7 +161,5 @@ def _last_block(column: ColumnElement[int], moment: _Moment) -> ScalarSelect[int
     )
 
 
-def _of_channels(
-    asked: ScalarSelect[int], channels: Sequence[int]
-) -> Select[int, int | None]:
+def _of_channels(asked: ScalarSelect[int], channels: Sequence[int]) -> Select[int, int | None]:
     return select(_channel.c.id, asked).where(_channel.c.id.in_(channels))

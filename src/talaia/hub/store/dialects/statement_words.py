@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection, Table
 
 
-
 __all__ = ["insert_head", "on_conflict", "parse_columns", "run_for_rows", "split_names"]
 
 
