@@ -16,13 +16,14 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import os
 import resource
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import database_servers
 import numpy as np
@@ -42,11 +43,15 @@ from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.model.yaml_text.load import load_site
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 SIGNALS = 50
 BATCH = 1_000
 SITES = 8
 MANY_SITES = 200
 EACH = 30
+TOGETHER = 20
 
 
 class Span(NamedTuple):
@@ -166,6 +171,15 @@ def hub_settings(folder: Path, urls: list[str]) -> Path:
     return file
 
 
+@contextlib.contextmanager
+def timed(what: str) -> Iterator[None]:
+    """Print how long something took, and what of it this process computed."""
+    began, cpu = time.perf_counter(), time.process_time()
+    yield
+    took, mine = time.perf_counter() - began, time.process_time() - cpu
+    print(f"{what}: {took:.2f} s, {mine:.2f} s of CPU")
+
+
 async def fill_many(folder: Path, urls: list[str]) -> None:
     """Store a few samples of ten thousand signals, and let the hub know their sites."""
     homes = {f"crowd{at}": f"s{at % 2}" for at in range(MANY_SITES)} if urls else {}
@@ -180,19 +194,33 @@ async def fill_many(folder: Path, urls: list[str]) -> None:
         await history.open()
     registry = SiteRegistry(database, SystemClock())
     addresses = tuple(f"hut/n{at}" for at in range(SIGNALS))
-    for at in range(MANY_SITES):
-        site, text = f"crowd{at}", describe(f"crowd{at}", SIGNALS)
-        await history.describe_site(load_site(text))
+    texts = {f"crowd{at}": describe(f"crowd{at}", SIGNALS) for at in range(MANY_SITES)}
+    for site, text in texts.items():
         await registry.said_hello(site, text, "c", "")
-        columns = batch(0, SIGNALS, SIGNALS * EACH, 1)
-        await history.append_samples(site, "b", 0, addresses=addresses, columns=columns)
-    began, cpu = time.perf_counter(), time.process_time()
-    for at in range(MANY_SITES):
-        assert len(await history.last_readings(f"crowd{at}", addresses)) == SIGNALS
-    print(
-        f"last values of {MANY_SITES * SIGNALS} signals, {MANY_SITES} questions: "
-        f"{time.perf_counter() - began:.2f} s, {time.process_time() - cpu:.2f} s of CPU"
-    )
+    described = [load_site(text) for text in texts.values()]
+    count = f"{MANY_SITES * SIGNALS} signals"
+    began = time.perf_counter()
+    with timed(f"{MANY_SITES} sites with {count} are described"):
+        # As gateways that join together.
+        for first in range(0, MANY_SITES, TOGETHER):
+            some = described[first : first + TOGETHER]
+            await asyncio.gather(*map(history.describe_site, some))
+    with timed(f"the first values of {count} are stored"):
+        await asyncio.gather(*(
+            history.append_samples(
+                site, "b", 0, addresses=addresses, columns=batch(0, SIGNALS, SIGNALS, 1)
+            )
+            for site in texts
+        ))  # fmt: skip
+    await history.wait_for_views()
+    print(f"all views are there {time.perf_counter() - began:.2f} s after the first description")
+    with timed(f"{EACH - 1} more of each"):
+        for site in texts:
+            columns = batch(SIGNALS, SIGNALS, SIGNALS * (EACH - 1), 1)
+            await history.append_samples(site, "b", SIGNALS, addresses=addresses, columns=columns)
+    with timed(f"last values of {count}, {MANY_SITES} questions"):
+        for site in texts:
+            assert len(await history.last_readings(site, addresses)) == SIGNALS
     await history.close()
     await database.close()
 
@@ -255,7 +283,7 @@ def main() -> int:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=8.0, help="length of each span")
-    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--turns", type=int, default=3, help="0: ten thousand signals alone")
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="talaia-servers-") as name:
         folder = Path(name)
@@ -270,10 +298,12 @@ def main() -> int:
             with database_servers.started_servers(kind, folder, 4) as servers:
                 place = folder / kind
                 place.mkdir()
-                found = asyncio.run(
-                    measure_scaling(place, servers[:2], chosen.seconds, chosen.turns)
-                )
-                print_scaling(kind, found)
+                if chosen.turns:
+                    found = asyncio.run(
+                        measure_scaling(place, servers[:2], chosen.seconds, chosen.turns)
+                    )
+                    print_scaling(kind, found)
+                print(f"\n{kind}, two servers, load {load()}")
                 many = folder / f"{kind}-many"
                 many.mkdir()
                 urls = [server.url for server in servers[2:]]

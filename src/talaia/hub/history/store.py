@@ -197,10 +197,10 @@ class HistoryStore:
             HistoryError: the channels' numbers are not stored.
 
         """
-        channels = [channel.address for channel in site.channels()]
         self._periods.describe_site(site)
-        await self._writer.complete_job(Describe(site.site, channels))
-        await self._sensors.describe_site(site, self._ledger.names.channels)
+        with self._sensors.hold_views():
+            await self._writer.complete_job(Describe.every_channel(site))
+            await self._sensors.describe_site(site, self._ledger.names.channels)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """Let channels go on under other addresses; see `History.rename_channels`.

@@ -6,6 +6,7 @@ from hypothesis import given, strategies as st
 
 from talaia.hub.history.blocks.block import (
     BlockSamples,
+    LastTimes,
     concatenate_samples,
     decode_block,
     decode_run,
@@ -116,12 +117,30 @@ def test_blocks_that_follow_each_other_are_read_into_one_piece_or_not_at_all() -
     whole = BlockSamples(np.arange(6) * 1_000, value, {})
     parts = [whole.slice_positions(0, 4), whole.slice_positions(4, 6)]
     bodies = [encode_block(part) for part in parts]
-    read = decode_run(bodies, [4, 2])
+    last = LastTimes()
+    read = decode_run(bodies, [4, 2], last)
     assert read is not None
     assert read.time_us.tolist() == whole.time_us.tolist()
     assert read.value.tobytes() == value.tobytes()
     # Texts, damage, and sizes that are not so: whoever reads them one by one tells.
     words = encode_block(parts[1]._replace(texts={0: "on"}))
     for wrong in (words, bodies[1][:-3], b"", bodies[0]):
-        assert decode_run([bodies[0], wrong], [4, 2]) is None
-    assert decode_run(bodies, [4, 3]) is None
+        assert decode_run([bodies[0], wrong], [4, 2], last) is None
+    assert decode_run(bodies, [4, 3], last) is None
+
+
+def test_signals_with_the_same_times_share_them_and_others_do_not() -> None:
+    time_us, last = np.arange(6) * 1_000, LastTimes()
+    one, two, other = (
+        [encode_block(BlockSamples(times, value, {}))]
+        for times, value in (
+            (time_us, np.arange(6.0)), (time_us, np.ones(6)), (time_us + 1, np.ones(6))
+        )
+    )  # fmt: skip
+    read = [decode_run(bodies, [6], last) for bodies in (one, two, other, one)]
+    assert read[1].time_us is read[0].time_us
+    assert [part.time_us.tolist() for part in read] == [
+        (time_us + late).tolist() for late in (0, 0, 1, 0)
+    ]
+    assert [part.value[1] for part in read] == [1.0, 1.0, 1.0, 1.0]
+    assert [part.value[5] for part in read] == [5.0, 1.0, 1.0, 5.0]

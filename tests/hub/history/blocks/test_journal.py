@@ -5,14 +5,14 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.history.blocks.journal import (
-    merge_columns,
+    merge_bodies,
     part_of,
     read_row,
     read_rows,
     write_row,
 )
 from talaia.hub.history.errors import HistoryError
-from talaia.wire.columns import Columns
+from talaia.wire.columns import Columns, join_columns
 
 from ..samples import batch
 
@@ -46,19 +46,55 @@ def test_what_is_packed_comes_back_channel_by_channel(rows, times, apart) -> Non
     assert of_channels(read_row(write_row(columns))) == of_channels(columns)
 
 
-@given(st.lists(st.lists(row, min_size=1, max_size=6), min_size=1, max_size=5))
-def test_batches_that_are_made_one_come_back_in_the_order_in_which_they_came(parts) -> None:
-    read = read_row(merge_columns([batch(rows) for rows in parts]))
-    whole = batch([sample for rows in parts for sample in rows])
-    assert read.channel.tolist() == whole.channel.tolist()
-    assert read.time_us.tolist() == whole.time_us.tolist()
-    assert read.value.tobytes() == whole.value.tobytes()
-    assert read.texts == whole.texts
+# As a row of the journal was packed that was made of three batches of forty samples before they
+# were put together as they are (version 4).
+MERGED_BEFORE = bytes.fromhex(
+    "04007800000000000000000000002100000070636f210300061e0401077700001051020090fd077c0020"
+    "000000bd77091212003700000070636f210300061e040104770000710000000000000010010180000000"
+    "0000000040000400000000000000000000008065ce7fa64912003700000070636f210300061e04010677"
+    "000002000000000000fd1b01018000000000000000400004000000000000000000010000000000000080"
+    "008203a26f6e77a36f6666"
+)
+
+
+def test_a_row_that_was_merged_before_is_still_read() -> None:
+    read = read_row(MERGED_BEFORE)
+    index = np.arange(120)
+    assert read.channel.tolist() == (index % 40).tolist()
+    assert read.time_us.tolist() == (10**15 + 7 * index).tolist()
+    assert read.value.tolist() == (index / 4).tolist()
+    assert read.texts == {3: "on", 119: "off"}
+
+
+def many_channels(first, count=150):
+    """Make a batch of as many channels, with a text and a NaN."""
+    rows = [(at, first * 10 + at, at / 4) for at in range(count)]
+    rows[first] = (first, first, f"line {first}")
+    rows[-1] = (count - 1, 5, float("nan"))
+    return batch(rows)
+
+
+def test_batches_that_are_made_one_come_back_in_the_order_in_which_they_came() -> None:
+    parts = [many_channels(first) for first in range(5)]
+    body = merge_bodies([write_row(part) for part in parts], 750)
+    assert len(body) > 750
+    whole = batch([])
+    for part in parts:
+        whole = join_columns([whole, part])
+    assert of_channels(read_row(body)) == of_channels(whole)
+    read = read_rows([write_row(parts[0]), body])
+    assert read.sizes.tolist() == [150, 750]
 
 
 def test_damage_of_batches_that_were_made_one_is_told() -> None:
-    body = merge_columns([batch([(at % 90, at, float(at)) for at in range(500)])] * 3)
-    for junk in (body[:9], body[:30], body[: len(body) // 2], body[:-3], body[:2] + body[3:]):
+    parts = [write_row(many_channels(first)) for first in range(3)]
+    body = merge_bodies(parts, 450)
+    inside = merge_bodies([body], 450)
+    short = merge_bodies(parts, 451)
+    for junk in (
+        body[:9], body[:30], body[: len(body) // 2], body[:-3], body[:2] + body[3:], body + b"x",
+        inside, short, MERGED_BEFORE[:-9], MERGED_BEFORE[:40],
+    ):  # fmt: skip
         with pytest.raises(HistoryError):
             read_row(junk)
 

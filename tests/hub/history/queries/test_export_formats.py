@@ -310,3 +310,24 @@ def test_a_parquet_file_of_nothing_has_its_columns() -> None:
     table = table_of(FileForm.PARQUET, body)
     assert table.num_rows == 0
     assert table.column_names == ["time", "a/speed", "a/mode"]
+
+
+def test_of_a_parquet_file_what_is_noise_is_not_compressed_and_what_is_not_comes_back() -> None:
+    count = 20_000
+    noise = np.random.default_rng(1).random(count)
+    counter = np.arange(count) * 1.0
+    time_us = START + np.arange(count) * SECOND
+    whole = np.arange(count)
+    parts = [BlockSamples(time_us, value, {}) for value in (noise, counter)]
+    columns = [ExportColumn("a/noise"), ExportColumn("a/counter")]
+    rows = Rows(time_us, [whole, whole], parts)
+    body = b"".join(write_file(FileForm.PARQUET, columns, iter([rows])))
+    group = pa.parquet.ParquetFile(io.BytesIO(body)).metadata.row_group(0)
+    kinds = {group.column(at).path_in_schema: group.column(at) for at in range(3)}
+    assert kinds["a/noise"].compression == "UNCOMPRESSED"
+    assert kinds["a/counter"].compression == "ZSTD"
+    # Readers pass over parts of a file by their times.
+    assert kinds["time"].statistics.has_min_max
+    table = table_of(FileForm.PARQUET, body)
+    assert table.column("a/noise").to_numpy().tobytes() == noise.tobytes()
+    assert table.column("a/counter").to_numpy().tobytes() == counter.tobytes()

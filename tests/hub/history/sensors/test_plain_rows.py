@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.history.sensors.plain_rows import Recent
-from talaia.hub.history.writing.open_blocks import Chunk
+from talaia.hub.history.writing.chunks import Chunk
 
 pytestmark = pytest.mark.pure
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from talaia.hub.history.blocks.journal import MERGED, write_row
+from talaia.hub.history.blocks.journal import JOINED, read_row, write_row
 from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.writing.merged_rows import RowMerger
 from talaia.hub.store import history_tables as tables
@@ -68,7 +68,7 @@ async def test_whenever_a_hub_is_killed_each_sample_is_there_once(tmp_path, limi
                 for file in tmp_path.glob("h.db*"):
                     shutil.copy(file, tmp_path / f"killed-{file.name}")
                 left = f"sqlite:///{tmp_path}/killed-h.db"
-                merged = max(merged, sum(kind == MERGED for kind, _ in journal_of(left)))
+                merged = max(merged, sum(kind == JOINED for kind, _ in journal_of(left)))
                 async with opened(left, limits) as again:
                     assert await again.stored_below("agv", "b") == (at + 1) * SIZE
                     assert await numbers_in(again) == list(range((at + 1) * SIZE))
@@ -80,13 +80,13 @@ async def test_whenever_a_hub_is_killed_each_sample_is_there_once(tmp_path, limi
 
 async def test_a_server_keeps_the_rows_of_its_journal_as_they_came(url) -> None:
     async with opened(url, HistoryLimits(show_s=0.0)) as store:
-        for at in range(20):
+        for at in range(40):
             await store.append_samples(
                 "agv", "b", at * SIZE, addresses=ADDRESSES, columns=columns_from(at * SIZE)
             )
-        assert await store.stored_below("agv", "b") == 20 * SIZE
+        assert await store.stored_below("agv", "b") == 40 * SIZE
     kinds = {kind for kind, _ in journal_of(url)}
-    assert (MERGED in kinds) == url.startswith("sqlite")
+    assert (JOINED in kinds) == url.startswith("sqlite")
 
 
 def row_of(number, first, *, boot=1, size=SIZE):
@@ -98,20 +98,22 @@ def row_of(number, first, *, boot=1, size=SIZE):
 
 @pytest.mark.pure
 def test_only_rows_that_follow_each_other_between_two_deals_are_one() -> None:
-    rows = [row_of(at + 1, at * SIZE) for at in range(24)]
+    rows = [row_of(at + 1, at * SIZE) for at in range(40)]
 
     def first_merged(some, deals=lambda at: 0):
         merger = RowMerger()
         for at, row in enumerate(some):
-            merger.add_rows([row], [columns_from(row["first_seq"])], deals(at))
+            merger.add_rows([row], deals(at))
         return merger.next_row(deals(len(some) - 1))
 
     whole = first_merged(rows)
     assert whole.first == 1
-    assert (whole.row["id"], whole.row["first_seq"], whole.row["samples"]) == (24, 0, 24_000)
-    assert len(whole.row["body"]) < sum(len(row["body"]) for row in rows)
+    assert (whole.row["id"], whole.row["first_seq"], whole.row["samples"]) == (40, 0, 40_000)
+    came = np.concatenate([columns_from(at * SIZE).value for at in range(40)])
+    read = read_row(whole.row["body"]).value
+    assert np.array_equal(np.sort(read), np.sort(came), equal_nan=True)
     # One of another boot, one that is missing, a deal: what was before is left as it is.
-    other = [*rows[:12], row_of(13, 12_000, boot=2), *rows[13:]]
+    other = [*rows[:20], row_of(21, 20_000, boot=2), *rows[21:]]
     assert first_merged(other) is None
     assert first_merged(rows[:3] + rows[4:]).first == 5
-    assert first_merged(rows, lambda at: int(at >= 12)) is None
+    assert first_merged(rows, lambda at: int(at >= 20)) is None

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.writing.open_blocks import Chunk, Tails
+from talaia.hub.history.writing.chunks import Chunk
+from talaia.hub.history.writing.open_blocks import Tails
 
 pytestmark = pytest.mark.pure
 
@@ -127,3 +128,69 @@ def test_many_channels_that_are_all_new_wait_for_more_than_one_sample_of_each() 
     assert not tails.is_due()
     tails.forget_sealed(range(1_000), 2)
     assert tails.is_due()
+
+
+timed = st.tuples(
+    st.integers(0, CHANNELS - 1),
+    st.integers(-9, 9),
+    st.integers(-5, 5),
+    st.sampled_from(["", "on"]),
+)
+
+
+@given(
+    st.lists(st.lists(timed, max_size=6), max_size=200),
+    st.integers(-10, 10),
+    st.sampled_from([8, 100, 10_000]),
+    st.integers(1, CHANNELS + 1),
+)
+def test_the_newest_of_many_channels_is_what_each_ones_samples_say(
+    rows, to_us, recent, asked
+) -> None:
+    tails = Tails(7, 0, recent)
+    for row, samples in enumerate(rows, 1):
+        chunk = chunk_of(row, [(channel, value, text) for channel, _, value, text in samples])
+        # Clocks go back: times do not rise.
+        time_us = np.array([time_us for _, time_us, _, _ in samples], np.int64)
+        tails.add_chunks([chunk._replace(time_us=time_us)])
+        if tails.is_due():
+            tails.deal_chunks()
+        if row % 50 == 0:
+            tails.newest_readings(range(CHANNELS), to_us)
+    wanted = {}
+    for channel in range(asked):
+        early = [one for one in flat(tails.channel_snapshot(channel).samples) if one[0] <= to_us]
+        if early:
+            # Of equal times the one that came last.
+            wanted[channel] = max(enumerate(early), key=lambda one: (one[1][0], one[0]))[1]
+    found = tails.newest_readings(range(asked), to_us)
+    assert (found.readings, found.block) == (wanted, 7)
+
+
+def test_few_channels_are_found_in_large_batches_that_wait_as_in_small_ones() -> None:
+    chance = np.random.default_rng(3)
+    chunks = [
+        chunk_of(
+            row, [(int(one), row, "on" * (row % 9 == 0)) for one in chance.integers(0, 900, 40)]
+        )
+        for row in range(1, 200)
+    ]
+    tails = Tails(1, 0, 100_000)
+    tails.add_chunks(chunks)
+    assert not tails.is_due()
+    # A channel with a high number, such that digits do not sort it.
+    tails.add_chunks([chunk_of(200, [(70_000, 1, "")] * 100)])
+    for asked in ([5], [3, 899, 70_000, 80_000], list(range(900))):
+        together = tails.channel_snapshots(asked)
+        for channel in asked:
+            sent = [one for chunk in chunks for one in flat_of(chunk, channel)]
+            sent += [(1_000 * 200 + at, 1.0, "") for at in range(100)] * (channel == 70_000)
+            assert flat(together[channel].samples) == sent
+
+
+def flat_of(chunk, channel):
+    """List time, value and text of one channel's samples in a chunk."""
+    return [
+        (int(chunk.time_us[at]), float(chunk.value[at]), chunk.texts.get(at, ""))
+        for at in np.flatnonzero(chunk.channel == channel).tolist()
+    ]

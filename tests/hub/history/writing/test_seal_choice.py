@@ -5,7 +5,8 @@ import pytest
 
 from talaia.hub.history.blocks.journal_rows import JournalRows
 from talaia.hub.history.limits import HistoryLimits
-from talaia.hub.history.writing.open_blocks import Chunk, Tails
+from talaia.hub.history.writing.chunks import Chunk
+from talaia.hub.history.writing.open_blocks import Tails
 from talaia.hub.history.writing.seal_choice import SealChoice, sealing_size
 
 pytestmark = pytest.mark.pure

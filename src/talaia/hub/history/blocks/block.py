@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 __all__ = [
     "EMPTY",
     "BlockSamples",
+    "LastTimes",
+    "Reading",
     "concatenate_samples",
     "decode_block",
     "decode_run",
@@ -46,6 +48,10 @@ HOUR_US = 3_600_000_000
 PAUSE = 64.0
 
 
+# Time (µs), value and text of one sample.
+Reading = tuple[int, float, str]
+
+
 class BlockSamples(NamedTuple):
     """Samples of one channel; the arrays have the shape (n,), ``texts`` goes by position."""
 
@@ -65,6 +71,19 @@ class BlockSamples(NamedTuple):
             return self
         texts = {p - first: text for p, text in self.texts.items() if first <= p < past}
         return BlockSamples(self.time_us[first:past], self.value[first:past], texts)
+
+    def up_to(self, to_us: int) -> BlockSamples:
+        """Keep what is not after a time; the times need not be in order."""
+        if not self.time_us.size or int(self.time_us.max()) <= to_us:
+            return self
+        return self.select_positions(np.flatnonzero(self.time_us <= to_us))
+
+    def newest_reading(self) -> Reading:
+        """Give the newest of at least one sample; of equal times the one that came last."""
+        at = self.time_us.size - 1
+        if self.time_us[at] < self.time_us.max():
+            at -= int(self.time_us[::-1].argmax())
+        return int(self.time_us[at]), float(self.value[at]), self.texts.get(at, "")
 
     def select_positions(self, positions: NDArray[np.intp]) -> BlockSamples:
         """Keep these positions, in this order, each at most once."""
@@ -152,34 +171,68 @@ def decode_block(body: bytes) -> BlockSamples:
         raise _damaged_block(body, error) from error
 
 
-def decode_run(bodies: Sequence[bytes], sizes: Sequence[int]) -> BlockSamples | None:
+class LastTimes:
+    """The times that were read last: signals of one message have the same, in the same bytes."""
+
+    def __init__(self) -> None:
+        """Have none."""
+        # Of blocks that follow each other, and what they are.
+        self._sections: list[bytes] = []
+        self._time_us: NDArray[np.int64] | None = None
+
+    def find_times(self, sections: list[bytes]) -> NDArray[np.int64] | None:
+        """Give the times of these bytes if they are those of before; nobody may change them."""
+        return self._time_us if sections == self._sections else None
+
+    def keep_times(self, sections: list[bytes], time_us: NDArray[np.int64]) -> None:
+        """Remember times until others are read."""
+        self._sections, self._time_us = sections, time_us
+
+
+def decode_run(
+    bodies: Sequence[bytes], sizes: Sequence[int], last: LastTimes
+) -> BlockSamples | None:
     """Turn blocks that follow each other into samples in one piece of memory.
 
     Args:
         bodies: of the blocks.
         sizes: how many samples each holds.
+        last: the times that were read last, of the same channel or another one.
 
     Returns:
         None where one of them is no block of so many numbers, or holds texts.
 
     """
-    total = sum(sizes)
-    time_us, value = np.empty(total, np.int64), np.empty(total, np.float64)
-    first = 0
+    value = np.empty(sum(sizes), np.float64)
     try:
-        for body, size in zip(bodies, sizes, strict=True):
-            times, values, texts = _split_sections(body)
-            if texts:
+        sections = [_split_sections(body) for body in bodies]
+        if any(texts for _, _, texts in sections):
+            return None
+        times = [section for section, _, _ in sections]
+        time_us = last.find_times(times)
+        if time_us is None or time_us.size != value.size:
+            time_us = np.empty(value.size, np.int64)
+            if not _fill_column(times, sizes, time_us):
                 return None
-            past = first + size
-            for section, column in ((times, time_us), (values, value)):
-                done = standalone.simple_decompress_into(section, column[first:past])
-                if done.n_processed != size or not done.finished:
-                    return None
-            first = past
+            last.keep_times(times, time_us)
+        if not _fill_column([section for _, section, _ in sections], sizes, value):
+            return None
     except (struct.error, RuntimeError, HistoryError):
         return None
     return BlockSamples(time_us, value, {})
+
+
+def _fill_column(
+    sections: Sequence[bytes], sizes: Sequence[int], column: NDArray[np.int64] | NDArray[np.float64]
+) -> bool:
+    """Decompress sections one after the other; tell whether each has its size."""
+    first = 0
+    for section, size in zip(sections, sizes, strict=True):
+        done = standalone.simple_decompress_into(section, column[first : first + size])
+        if done.n_processed != size or not done.finished:
+            return False
+        first += size
+    return True
 
 
 def decode_values(body: bytes) -> NDArray[np.float64]:

@@ -15,14 +15,17 @@ length of the values (u32), the values (both `pcodec`), and the texts as before.
 With many channels of few samples each, the channels and their counts would be most of it. Then the
 body is of version 3, whose channels and counts are compressed like the times, with their lengths.
 
-Rows of version 3 that follow each other are made one of version 4, in the order in which samples
-came: the head as in version 2 with zero channels, each sample's channel, the times and the values,
-each compressed and with its length, and the texts.
+Rows of version 3 that follow each other are made one of version 5: the head as in version 2, with
+the number of rows in place of that of channels, and the bodies of the rows, each behind its length
+(u32). Before, they were made one of version 4, which is still read: the head as in version 2 with
+zero channels, each sample's channel, the times and the values, each compressed and with its length,
+and the texts.
 """
 
 from __future__ import annotations
 
 import struct
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
@@ -39,14 +42,14 @@ if TYPE_CHECKING:
 __all__ = [
     "MANY_CHANNELS",
     "JournalSamples",
-    "merge_columns",
+    "merge_bodies",
     "part_of",
     "read_row",
     "read_rows",
     "write_row",
 ]
 
-PLAIN, PACKED, MANY_CHANNELS, MERGED = 1, 2, 3, 4
+PLAIN, PACKED, MANY_CHANNELS, MERGED, JOINED = 1, 2, 3, 4, 5
 # Below this, compressing takes longer than it saves.
 _WORTH = 128
 # From so many channels on, compressing their numbers saves more bytes than its two calls add.
@@ -55,8 +58,13 @@ _MANY = 64
 # better: values as they are, times by their steps, nothing else tried.
 _VALUES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.no_op())
 _TIMES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.try_consecutive(1))
-# A merged row stays for long, and nobody waits for it.
-_MERGED = ChunkConfig(compression_level=4)
+# Rows of many channels stay for long, until each has a block's worth of samples.
+_KEPT_VALUES = ChunkConfig(compression_level=4, delta_spec=DeltaSpec.no_op())
+_KEPT_TIMES = ChunkConfig(compression_level=4, delta_spec=DeltaSpec.try_consecutive(1))
+# Of fewer samples of each channel, steps are mostly those from one channel to the next: the times
+# themselves, which lie close together, take fewer bits.
+_STEPS_OF = 3
+_KEPT_MOMENTS = ChunkConfig(compression_level=4, delta_spec=DeltaSpec.no_op())
 _LENGTH = struct.Struct("<I")
 _HEAD = struct.Struct("<BBIq")
 _TEXTS = msgspec.msgpack.Decoder(dict[int, str])
@@ -91,6 +99,8 @@ def read_row(body: bytes) -> Columns:
     """
     try:
         version, size, count, base = _HEAD.unpack_from(body)
+        if version == JOINED and size == 0:
+            return _split_joined(body, count, base)
         if version == MERGED and size == 0:
             return _unpack_merged(body, count)
         if version in (PACKED, MANY_CHANNELS) and size == 0:
@@ -98,7 +108,7 @@ def read_row(body: bytes) -> Columns:
         if version != PLAIN or size not in (4, 8):
             raise HistoryError(
                 f"a journal row has version {version}, this program reads {PLAIN}, {PACKED}, "
-                f"{MANY_CHANNELS} and {MERGED}",
+                f"{MANY_CHANNELS}, {MERGED} and {JOINED}",
                 "open the database with the program that wrote it, or a newer one",
             )
         at = _HEAD.size
@@ -115,13 +125,27 @@ def read_row(body: bytes) -> Columns:
     return Columns(channel, offset.astype(np.int64) + base, value, texts)
 
 
-def merge_columns(parts: Sequence[Columns]) -> bytes:
-    """Pack batches one after the other, as one; each has at least one sample."""
+def merge_bodies(bodies: Sequence[bytes], count: int) -> bytes:
+    """Put packed batches one after the other, as one row of ``count`` samples in all."""
+    head = _HEAD.pack(JOINED, 0, count, len(bodies))
+    return b"".join((head, *map(_with_length, bodies)))
+
+
+def _split_joined(body: bytes, count: int, rows: int) -> Columns:
+    at = _HEAD.size
+    parts = []
+    for _ in range(rows):
+        (length,) = _LENGTH.unpack_from(body, at)
+        at += _LENGTH.size
+        part = body[at : at + length]
+        if len(part) != length or part[:1] != bytes((MANY_CHANNELS,)):
+            raise ValueError("a part of it is cut off, or no row of many channels")
+        parts.append(read_row(part))
+        at += length
     whole = join_columns(parts)
-    columns = (whole.channel.astype(np.uint16, copy=False), whole.time_us, whole.value)
-    head = _HEAD.pack(MERGED, 0, len(whole), 0)
-    packed = [_with_length(standalone.simple_compress(column, _MERGED)) for column in columns]
-    return b"".join((head, *packed, msgspec.msgpack.encode(whole.texts) if whole.texts else b""))
+    if len(whole) != count or at != len(body):
+        raise ValueError(f"its parts have {len(whole)} samples and {at} bytes")
+    return whole
 
 
 def _unpack_merged(body: bytes, count: int) -> Columns:
@@ -228,25 +252,37 @@ def _pack_columns(columns: Columns) -> bytes:
             texts = msgspec.msgpack.encode(moved)
     elif columns.texts:
         texts = msgspec.msgpack.encode(columns.texts)
-    starts = np.flatnonzero(np.concatenate(([True], channel[1:] != channel[:-1])))
-    channels, counts = channel[starts], np.diff(starts, append=channel.size)
-    times = _with_length(standalone.simple_compress(np.ascontiguousarray(time_us), _TIMES))
-    values = _with_length(standalone.simple_compress(np.ascontiguousarray(value), _VALUES))
+    ends = np.append(np.flatnonzero(channel[1:] != channel[:-1]) + 1, channel.size)
+    channels, counts = channel[ends - 1], ends.copy()
+    counts[1:] -= ends[:-1]
     if channels.size < _MANY:
-        version = PACKED
+        version, configs = PACKED, (_TIMES, _VALUES)
         runs = channels.astype("<u2", copy=False).tobytes() + counts.astype("<u4").tobytes()
     else:
+        has_steps = channel.size >= _STEPS_OF * channels.size
         version = MANY_CHANNELS
-        runs = b"".join(
-            _with_length(standalone.simple_compress(column, _TIMES))
-            for column in (channels.astype(np.uint16, copy=False), counts.astype(np.uint32))
+        configs = (_KEPT_TIMES if has_steps else _KEPT_MOMENTS, _KEPT_VALUES)
+        runs = _pack_runs(
+            channels.astype(np.uint16, copy=False).tobytes(), counts.astype(np.uint32).tobytes()
         )
     head = _HEAD.pack(version, 0, len(columns), channels.size)
+    times, values = _compress(time_us, configs[0]), _compress(value, configs[1])
     return b"".join((head, runs, times, values, texts))
 
 
-def _with_length(compressed: bytes) -> bytes:
-    return _LENGTH.pack(len(compressed)) + compressed
+@lru_cache(16)
+def _pack_runs(channels: bytes, counts: bytes) -> bytes:
+    """Pack the channels of a row and their counts: of a gateway they are often those of before."""
+    columns = np.frombuffer(channels, np.uint16), np.frombuffer(counts, np.uint32)
+    return b"".join(_compress(column, _TIMES) for column in columns)
+
+
+def _compress(column: NDArray[Any], config: ChunkConfig) -> bytes:
+    return _with_length(standalone.simple_compress(np.ascontiguousarray(column), config))
+
+
+def _with_length(packed: bytes) -> bytes:
+    return _LENGTH.pack(len(packed)) + packed
 
 
 def _unpack_columns(body: bytes, count: int, runs: int, *, packed: bool) -> Columns:

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection
 
-    from talaia.hub.history.blocks.block import BlockSamples
+    from talaia.hub.history.blocks.block import BlockSamples, LastTimes
 
 __all__ = ["read_run"]
 
 
 def read_run(
-    connection: Connection, rows: Sequence[Any], from_us: int, to_us: int
+    connection: Connection, rows: Sequence[Any], from_us: int, to_us: int, *, last: LastTimes
 ) -> BlockSamples | None:
     """Read blocks whose samples are in order as they stand; None where they are not.
 
@@ -33,6 +33,7 @@ def read_run(
         rows: of blocks, in order of their first samples: id, first_us, last_us, samples.
         from_us: samples before it are no part of it.
         to_us: nor are samples after it.
+        last: the times that were read last.
 
     """
     if not rows or rows[0].first_us < from_us or rows[-1].last_us > to_us:
@@ -46,4 +47,4 @@ def read_run(
     # One that is gone or damaged is left out, and told, by who reads them one by one.
     if len(bodies) < len(rows):
         return None
-    return decode_run([bodies[row.id] for row in rows], [row.samples for row in rows])
+    return decode_run([bodies[row.id] for row in rows], [row.samples for row in rows], last)

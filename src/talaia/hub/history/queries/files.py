@@ -29,6 +29,8 @@ _ROW_GROUP = 131_072
 # Of so many values at the beginning it is told whether a column says few things again and again.
 _LOOKED_AT = 32_768
 _FEW = 4
+# What compressing leaves of them at least where it is not worth its time.
+_WORTH_LESS = 0.9
 
 
 def write_file(
@@ -132,7 +134,9 @@ def _open_parquet(
 
     Times rise by nearly the same steps: as differences they need no compression. Readings of a
     sensor with a few decimals are few different numbers: as numbers of a list they take a third of
-    the room, and no more time. Where they are many, to make that list is most of the work.
+    the room, and no more time. Where they are many, to make that list is most of the work. Where
+    they are noise to their last bits, compressing takes most of the time and saves next to nothing.
+    Least and greatest values, by which readers pass over parts of a file, are those of the times.
     """
     listed = [column.address for column in columns if column.worded]
     repeating = [
@@ -140,11 +144,17 @@ def _open_parquet(
         for column in columns
         if not column.worded and _repeats(table.column(column.address))
     ]
+    noisy = [
+        column.address
+        for column in columns
+        if not column.worded and _is_noise(table.column(column.address))
+    ]
     compression = {column.address: "zstd" for column in columns} | {TIME: "none"}
     return pyarrow.parquet.ParquetWriter(
         sink,
         table.schema,
-        compression=compression | dict.fromkeys(repeating, "none"),
+        compression=compression | dict.fromkeys([*repeating, *noisy], "none"),
+        write_statistics=[TIME],
         use_dictionary=[*listed, *repeating],
         column_encoding={TIME: "DELTA_BINARY_PACKED"},
     )
@@ -153,6 +163,14 @@ def _open_parquet(
 def _repeats(column: pa.ChunkedArray) -> bool:
     values = column.drop_null().slice(0, _LOOKED_AT)
     return len(values) > 0 and _FEW * len(values.unique()) <= len(values)
+
+
+def _is_noise(column: pa.ChunkedArray) -> bool:
+    values = column.drop_null().slice(0, _LOOKED_AT).combine_chunks()
+    if not len(values):
+        return False
+    plain = values.buffers()[1].slice(8 * values.offset, 8 * len(values))
+    return bool(len(pa.compress(plain, "zstd", asbytes=True)) > _WORTH_LESS * plain.size)
 
 
 def _make_writer(form: FileForm, columns: list[ExportColumn], sink: _Sink) -> _Writer:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from talaia.hub.history.blocks.block import LastTimes
 from talaia.hub.history.database_threads import DatabaseThreads
 from talaia.hub.history.errors import HistoryBusy
 from talaia.hub.history.queries.arrow_library import has_arrow, require_arrow
@@ -129,6 +130,7 @@ class LongReads:
             )
             flows = [iter([SampleChunk(series.samples(), FARTHEST_US + 1)]) for series in shown]
         else:
+            last = LastTimes()
             flows = [
                 stream_samples(
                     self._engine,
@@ -137,6 +139,7 @@ class LongReads:
                     address=address,
                     from_us=from_us,
                     to_us=to_us,
+                    last=last,
                 )
                 for address in addresses
             ]

@@ -6,38 +6,39 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import select
 
-from talaia.hub.history.blocks.block import EMPTY, in_order
 from talaia.hub.history.queries.window import (
     FARTHEST_US,
     StoredWindow,
     kept_bodies,
     overlapping_of_channels,
 )
-from talaia.hub.history.queries.window_query import windows_of
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from sqlalchemy import Connection, Engine
+    from sqlalchemy import ColumnElement, Connection, Engine, ScalarSelect, Select
 
-    from talaia.hub.history.blocks.block import BlockSamples
+    from talaia.hub.history.blocks.block import Reading
     from talaia.hub.history.blocks.cache import BlockCache
     from talaia.hub.history.writing.block_index import BlockIndex
+    from talaia.hub.history.writing.channel_ids import Names
 
 __all__ = ["read_newest"]
 
 _block = tables.block
+_channel = tables.channel
 # Channels in one question.
 _AT_ONCE = 500
 
 
-class _Asked(NamedTuple):
-    """A channel, and what of its window stands in memory, in order of time."""
+class _Moment(NamedTuple):
+    """Up to when, and what was in memory as it was looked at; ``run``: see `StoredWindow`."""
 
-    address: str
-    window: StoredWindow
-    tail: BlockSamples
+    to_us: int
+    held: Mapping[int, Reading]
+    before_block: int
+    run: int
 
 
 def read_newest(
@@ -48,95 +49,117 @@ def read_newest(
     site: str,
     addresses: Sequence[str],
     to_us: int,
-) -> dict[str, tuple[int, float, str]]:
+) -> dict[str, Reading]:
     """Find time (µs), value and text of each channel's newest sample up to ``to_us``.
 
     A channel that has none is left out.
     """
-    asked = list(_look_into_memory(ledger, site, addresses, to_us))
-    found = {}
+    # The memory comes before the database: see `windows_of`.
+    run, names, tails = ledger.run, ledger.names, ledger.tails
+    # A driver would take numpy's whole numbers for something else.
+    to_us = min(FARTHEST_US, int(to_us))
+    numbers = {address: names.channels.get((site, address)) for address in addresses}
+    channels = sorted({number for number in numbers.values() if number is not None})
+    if to_us < -FARTHEST_US or not channels:
+        return {}
+    held = tails.newest_readings(channels, to_us)
+    moment = _Moment(to_us, held.readings, held.block, run)
+    found = dict(held.readings)
     with engine.begin() as connection:
-        # What is in memory was looked at before, of all at one moment: blocks that were sealed
-        # since are left out.
-        for first in range(0, len(asked), _AT_ONCE):
-            some = asked[first : first + _AT_ONCE]
-            blocks = _newest_blocks(connection, cache, some)
-            for one in some:
-                last = _last_of([*blocks.get(one.window.channel, []), one.tail])
-                if last is not None:
-                    found[one.address] = last
+        for first in range(0, len(channels), _AT_ONCE):
+            some = channels[first : first + _AT_ONCE]
+            wanted = _blocks_to_read(connection, some, moment, names)
+            found |= _read_blocks(connection, cache, wanted, moment)
+    return {address: found[number] for address, number in numbers.items() if number in found}
+
+
+def _blocks_to_read(
+    connection: Connection, channels: Sequence[int], moment: _Moment, names: Names
+) -> dict[int, list[int]]:
+    """Give for each channel the blocks that may hold something newer than the memory does."""
+    # All of the block that ends last is before the moment, and the newest is its last sample ...
+    ends = _last_ends(connection, [one for one in channels if one in moment.held], moment)
+    behind = [one for one in channels if _is_newer(ends.get(one), moment.held.get(one))]
+    behind += [one for one in channels if one not in moment.held]
+    wanted = {channel: [number] for channel, number in _last_whole(connection, behind, moment)}
+    if moment.to_us >= FARTHEST_US:
+        return wanted
+    # ... or it is in a block that goes on beyond it.
+    reach = [
+        StoredWindow(
+            channel,
+            moment.to_us,
+            moment.to_us,
+            names.longest_us[channel],
+            moment.before_block,
+            moment.run,
+        )
+        for channel in channels
+    ]
+    for channel, rows in (overlapping_of_channels(connection, reach) or {}).items():
+        wanted.setdefault(channel, []).extend(row.id for row in rows)
+    return wanted
+
+
+def _is_newer(end_us: int | None, held: Reading | None) -> bool:
+    return end_us is not None and held is not None and end_us > held[0]
+
+
+def _read_blocks(
+    connection: Connection,
+    cache: BlockCache | None,
+    wanted: Mapping[int, Sequence[int]],
+    moment: _Moment,
+) -> dict[int, Reading]:
+    """Give what blocks have that is newer than what is in memory."""
+    every = sorted({number for numbers in wanted.values() for number in numbers})
+    read = kept_bodies(connection, every, moment.run, cache)
+    found: dict[int, Reading] = {}
+    for channel, numbers in wanted.items():
+        best: Reading | None = None
+        # In the order of their numbers, which is that in which they came.
+        for number in sorted(set(numbers)):
+            early = read[number].up_to(moment.to_us) if number in read else None
+            if early is not None and early.time_us.size:
+                reading = early.newest_reading()
+                best = reading if best is None or reading[0] >= best[0] else best
+        held = moment.held.get(channel)
+        # Of equal times, what is in memory came last.
+        if best is not None and (held is None or best[0] > held[0]):
+            found[channel] = best
     return found
 
 
-def _last_of(parts: Sequence[BlockSamples]) -> tuple[int, float, str] | None:
-    """Give the newest of samples that are in order; of equal times the one that came last."""
-    newest: BlockSamples | None = None
-    for part in parts:
-        if part.time_us.size and (newest is None or part.time_us[-1] >= newest.time_us[-1]):
-            newest = part
-    if newest is None:
-        return None
-    at = newest.time_us.size - 1
-    return int(newest.time_us[at]), float(newest.value[at]), newest.texts.get(at, "")
-
-
-def _look_into_memory(
-    ledger: BlockIndex, site: str, addresses: Sequence[str], to_us: int
-) -> Iterator[_Asked]:
-    found = windows_of(ledger, site=site, addresses=addresses, from_us=-FARTHEST_US, to_us=to_us)
-    for address, known in zip(addresses, found, strict=True):
-        if known is not None:
-            window, held = known
-            tail = in_order(held).between_times(window.from_us, window.to_us)
-            yield _Asked(address, window, tail)
-
-
-def _newest_blocks(
-    connection: Connection, cache: BlockCache | None, asked: Sequence[_Asked]
-) -> dict[int, list[BlockSamples]]:
-    """Read what may hold the newest sample of each window, unless its tail's newest is newer.
-
-    The windows end together and leave out the same blocks.
-    """
-    window = asked[0].window
-    # All of the block that ends last is in the window, and the newest is its last sample ...
-    wanted = _last_whole(connection, [one.window.channel for one in asked], window)
-    # ... or it is in a block that goes on beyond the window's end.
-    reach = [one.window._replace(from_us=window.to_us) for one in asked]
-    cut = None if window.to_us >= FARTHEST_US else overlapping_of_channels(connection, reach)
-    for one in asked:
-        ends = wanted.setdefault(one.window.channel, {})
-        if cut is not None:
-            ends.update({row.id: row.last_us for row in cut[one.window.channel]})
-        if one.tail.time_us.size and all(end <= one.tail.time_us[-1] for end in ends.values()):
-            ends.clear()
-    every = sorted({number for numbers in wanted.values() for number in numbers})
-    read = kept_bodies(connection, every, window.run, cache)
-    return {
-        # In the order of their numbers, which is that in which they came.
-        channel: [
-            in_order(read.get(number, EMPTY)).between_times(window.from_us, window.to_us)
-            for number in sorted(numbers)
-        ]
-        for channel, numbers in wanted.items()
-    }
+def _last_ends(connection: Connection, channels: Sequence[int], moment: _Moment) -> dict[int, int]:
+    """Give for each channel when the block ends that ends last before a moment (µs)."""
+    if not channels:
+        return {}
+    rows = connection.execute(_of_channels(_last_block(_block.c.last_us, moment), channels))
+    return {channel: last_us for channel, last_us in rows if last_us is not None}
 
 
 def _last_whole(
-    connection: Connection, channels: Sequence[int], window: StoredWindow
-) -> dict[int, dict[int, int]]:
-    """Give for each channel the block that ends last before the window does: number to end (µs)."""
-    channel = tables.channel
+    connection: Connection, channels: Sequence[int], moment: _Moment
+) -> list[tuple[int, int]]:
+    """Give for each channel that has any the block that ends last before a moment does."""
+    if not channels:
+        return []
+    rows = connection.execute(_of_channels(_last_block(_block.c.id, moment), channels))
+    return [(channel, number) for channel, number in rows if number is not None]
+
+
+def _last_block(column: ColumnElement[int], moment: _Moment) -> ScalarSelect[int]:
     # The database goes to the end of its index for each channel, whatever lies before it.
-    last = (
-        select(_block.c.id)
-        .where(_block.c.channel_id == channel.c.id, _block.c.id < window.before_block)
-        .where(_block.c.last_us <= window.to_us)
+    return (
+        select(column)
+        .where(_block.c.channel_id == _channel.c.id, _block.c.id < moment.before_block)
+        .where(_block.c.last_us <= moment.to_us)
         .order_by(_block.c.last_us.desc(), _block.c.id.desc())
         .limit(1)
+        .scalar_subquery()
+        .correlate(_channel)
     )
-    number = last.scalar_subquery().correlate(channel)
-    end = last.with_only_columns(_block.c.last_us).scalar_subquery().correlate(channel)
-    query = select(channel.c.id, number.label("number"), end.label("last_us"))
-    rows = connection.execute(query.where(channel.c.id.in_(channels)))
-    return {row.id: {row.number: row.last_us} for row in rows if row.number is not None}
+
+
+def _of_channels(asked: ScalarSelect[int], channels: Sequence[int]) -> Select[int, int | None]:
+    return select(_channel.c.id, asked).where(_channel.c.id.in_(channels))

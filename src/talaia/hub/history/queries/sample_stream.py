@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, or_, select
 
-from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate_samples, in_order
+from talaia.hub.history.blocks.block import (
+    EMPTY,
+    BlockSamples,
+    LastTimes,
+    concatenate_samples,
+    in_order,
+)
 from talaia.hub.history.queries.block_run import read_run
 from talaia.hub.history.queries.window import FARTHEST_US, read_blocks
 from talaia.hub.history.queries.window_query import window_of
@@ -41,12 +47,21 @@ class SampleChunk(NamedTuple):
 
 
 def stream_samples(
-    engine: Engine, ledger: BlockIndex, *, site: str, address: str, from_us: int, to_us: int
+    engine: Engine,
+    ledger: BlockIndex,
+    *,
+    site: str,
+    address: str,
+    from_us: int,
+    to_us: int,
+    last: LastTimes | None = None,
 ) -> Iterator[SampleChunk]:
     """Give a channel's samples of a window, both ends included; memory is looked at now.
 
-    Samples with one time stamp come in the order in which they were stored.
+    Samples with one time stamp come in the order in which they were stored. Channels that are
+    read in turn share the times that were read ``last``.
     """
+    shared = last or LastTimes()
     found = window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us)
     if found is None:
         return iter(())
@@ -77,7 +92,7 @@ def stream_samples(
                 past_us = rows[AT_ONCE].first_us if more else FARTHEST_US + 1
                 until_us = min([past_us, *(int(held.time_us[0]) for held in waiting.values())])
                 to_us = min(window.to_us, until_us - 1)
-                ready = read_run(connection, rows[:AT_ONCE], window.from_us, to_us)
+                ready = read_run(connection, rows[:AT_ONCE], window.from_us, to_us, last=shared)
                 read = {}
                 if ready is None:
                     read = read_blocks(connection, [row.id for row in rows[:AT_ONCE]])

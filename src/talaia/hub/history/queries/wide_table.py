@@ -64,11 +64,11 @@ def _join_parts(parts: list[BlockSamples]) -> Rows:
     if shared is not None:
         whole, none = _all_places(shared.size), np.empty(0, np.intp)
         return Rows(shared, [whole if own_times.size else none for own_times in times], parts)
+    moments, places = _merge_sorted(times)
+    if not any(bool((own_times[1:] == own_times[:-1]).any()) for own_times in times):
+        return Rows(moments, places, parts)
     turns = [_repeat_counts(own_times) for own_times in times]
     most = max(int(turn.max(initial=0)) for turn in turns)
-    moments, places = _merge_sorted(times)
-    if most == 0:
-        return Rows(moments, places, parts)
     # The n-th sample of a channel at a time goes into the n-th row of that time.
     keys = [place * (most + 1) + turn for place, turn in zip(places, turns, strict=True)]
     rows, places = _merge_sorted(keys)
@@ -89,7 +89,8 @@ def _shared_times(times: Sequence[NDArray[np.int64]]) -> NDArray[np.int64] | Non
     One signal has only its own, and those of one message have the same: there is nothing to merge.
     """
     first, *others = [own_times for own_times in times if own_times.size]
-    if all(np.array_equal(own_times, first) for own_times in others):
+    # Of signals of one message they are often one array: see `LastTimes`.
+    if all(own_times is first or np.array_equal(own_times, first) for own_times in others):
         return first
     return None
 

@@ -19,7 +19,7 @@ from talaia.hub.store import history_tables as tables
 if TYPE_CHECKING:
     from sqlalchemy import Connection
 
-    from talaia.hub.history.writing.open_blocks import Chunk
+    from talaia.hub.history.writing.chunks import Chunk
 
 __all__ = ["Recent"]
 

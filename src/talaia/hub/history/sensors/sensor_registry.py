@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ from talaia.hub.history.sensors.view_sql import sensors_of
 from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from sqlalchemy import Engine
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SensorRegistry"]
 
+# Without a description for so long, views are made (s).
+_QUIET_S = 0.2
 _LOG = logging.getLogger(__name__)
 
 
@@ -55,6 +58,11 @@ class SensorRegistry:
         self._showing: set[asyncio.Task[None]] = set()
         # Sites take turns: the writing connection is one, and samples need it in between.
         self._one_site = asyncio.Lock()
+        # Descriptions that are being written down: views wait for them, for they take the writing
+        # connection a hundred times as long.
+        self._describing = 0
+        # How many there were, and when it was looked last whether there are more.
+        self._described = self._seen = 0
         # Views that are not made yet wait for the next description.
         self._closing = False
 
@@ -71,6 +79,16 @@ class SensorRegistry:
     def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
         """Give what a channel's signal is, or was when it was last described; None: not known."""
         return self._kinds.get((site, address.partition(".")[0]))
+
+    @contextlib.contextmanager
+    def hold_views(self) -> Iterator[None]:
+        """Begin with no further site's views meanwhile: somebody waits for a description."""
+        self._describing += 1
+        self._described += 1
+        try:
+            yield
+        finally:
+            self._describing -= 1
 
     async def describe_site(self, site: Site, channels: Mapping[tuple[str, str], int]) -> None:
         """Write down what a description's sensors are; their views are made behind it.
@@ -121,6 +139,10 @@ class SensorRegistry:
 
     async def _show_sensors(self, site: str, sensors: list[SensorView]) -> None:
         async with self._one_site:
+            # Those that come one after the other leave a moment of quiet between them.
+            while (self._describing or self._seen != self._described) and not self._closing:
+                self._seen = self._described
+                await asyncio.sleep(_QUIET_S)
             try:
                 made = await self._threads.run_query(
                     show_sensors, self._writing, site, sensors, lambda: self._closing

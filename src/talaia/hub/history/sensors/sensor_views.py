@@ -183,10 +183,14 @@ def show_sensors(
             # There is one connection that writes; whoever waits for it gets it now.
             time.sleep(_BETWEEN_S)
         with engine.begin() as connection:
-            for sensor in wanted[first : first + _AT_ONCE]:
+            some = wanted[first : first + _AT_ONCE]
+            # Not all databases take a view back that was made before a crash.
+            gone = [names[sensor.address] for sensor in some]
+            together = len(gone) if dialect_of(connection).is_server else 1
+            for at in range(0, len(gone), together):
+                connection.execute(DropView(*gone[at : at + together]))
+            for sensor in some:
                 name = names[sensor.address]
-                # Not all databases take a view back that was made before a crash.
-                connection.execute(DropView(name))
                 connection.exec_driver_sql(view_statement(connection.dialect, name, sensor))
             connection.execute(
                 update(_sensor)
@@ -194,7 +198,7 @@ def show_sensors(
                 .values(made_of=bindparam("made")),
                 [
                     {"of": site, "which": sensor.address, "made": _made_of(sensor)}
-                    for sensor in wanted[first : first + _AT_ONCE]
+                    for sensor in some
                 ],
             )
     if wanted:

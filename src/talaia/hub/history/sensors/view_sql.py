@@ -139,13 +139,13 @@ def _compile_template(dialect: Dialect, sensor: SensorView) -> str:
 
 
 class DropView(ExecutableDDLElement):
-    """``DROP VIEW`` if it is there."""
+    """``DROP VIEW`` of those that are there; SQLite takes one at a time."""
 
     inherit_cache = False
 
-    def __init__(self, name: str) -> None:
-        """Drop ``name``."""
-        self.name = name
+    def __init__(self, *names: str) -> None:
+        """Drop ``names``."""
+        self.names = names
 
 
 class _Time(ColumnElement[Any]):
@@ -160,7 +160,7 @@ class _Time(ColumnElement[Any]):
 
 @compiles(DropView)
 def _compile_drop(element: DropView, compiler: Any, **_: object) -> str:  # noqa: ANN401
-    return f"DROP VIEW IF EXISTS {compiler.preparer.quote(element.name)}"
+    return f"DROP VIEW IF EXISTS {', '.join(map(compiler.preparer.quote, element.names))}"
 
 
 @compiles(_Time)

@@ -175,6 +175,12 @@ class HistoryServers:
         """See `History.describe_site`; while its server is away, it is done later."""
         await self.descriptions.describe_site(site)
 
+    async def wait_for_views(self) -> None:
+        """Wait for the SQL views of all that was described so far, on servers that are there."""
+        opened = [server.opened for server in self._servers.values()]
+        stores = [self._own, *(store for store in opened if store is not None)]
+        await asyncio.gather(*(store.wait_for_views() for store in stores))
+
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """See `History.rename_channels`.
 

@@ -25,6 +25,7 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.plain_rows import Recent
 from talaia.hub.history.writing.bulk_writes import insert_rows
 from talaia.hub.history.writing.channel_ids import Names, write_counters
+from talaia.hub.history.writing.chunks import Chunk
 from talaia.hub.history.writing.compaction import (
     Newest,
     Saved,
@@ -41,7 +42,7 @@ from talaia.hub.history.writing.journal_replay import (
     replay_journal,
 )
 from talaia.hub.history.writing.merged_rows import RowMerger
-from talaia.hub.history.writing.open_blocks import Chunk, Tails
+from talaia.hub.history.writing.open_blocks import Tails
 from talaia.hub.history.writing.retention import delete_blocks
 from talaia.hub.history.writing.seal_choice import SealChoice
 from talaia.hub.history.writing.site_jobs import adopt_blocks, count_outside, forget_site
@@ -75,7 +76,6 @@ if TYPE_CHECKING:
     from talaia.hub.history.writing.retention import Doomed
     from talaia.hub.history.writing.site_jobs import Adopted, Forgotten
     from talaia.hub.history.writing.writer_jobs import Job
-    from talaia.wire.columns import Columns
 
 __all__ = ["BlockIndex"]
 
@@ -96,7 +96,6 @@ class _Draft:
     def __init__(self) -> None:
         # Of the journal: every batch as it came.
         self.rows: list[dict[str, Any]] = []
-        self.columns: list[Columns] = []
         # A row in the place of several that are there.
         self.merged: MergedRow | None = None
         # What is lost for good.
@@ -329,7 +328,6 @@ class BlockIndex:
                     "body": body,
                 }
             )
-            draft.columns.append(part)
             ids = catalogue.channels[part.channel]
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
@@ -441,4 +439,4 @@ class BlockIndex:
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
         if self._merges_rows:
-            self._merger.add_rows(draft.rows, draft.columns, self.tails.deals)
+            self._merger.add_rows(draft.rows, self.tails.deals)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from itertools import repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 from sqlalchemy import select, update
 
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
+from talaia.hub.history.writing.bulk_writes import insert_rows, insert_values, put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ __all__ = ["Catalogue", "Names", "write_counters"]
 
 _LOG = logging.getLogger(__name__)
 _LONGEST_NAME = 200
+_CHANNEL = ("id", "site", "address", "since_us", "saved_row", "longest_us")
 # Lists of channels change when a description does; a peer that sends a new one each time
 # must not fill the memory.
 _MOST_LISTS = 1_000
@@ -59,8 +61,9 @@ class Names:
         self._lists: dict[tuple[str, tuple[str, ...]], Catalogue] = {}
         # By site, the list that came last: to look up ten thousand names is to look at each.
         self._came_last: dict[str, tuple[tuple[str, ...], Catalogue]] = {}
-        # Rows that the next commit writes, with their tables.
+        # Rows that the next commit writes, with their tables; those of channels are thousands.
         self._new: list[tuple[Table, dict[str, Any]]] = []
+        self._new_channels: list[tuple[int, str, str, int, int, int]] = []
         # By kind, the number that the next one gets. A number that was given once is never given
         # again, though its row be deleted: blocks, batches and views name each other by numbers.
         self._next: dict[str, int] = {}
@@ -175,7 +178,8 @@ class Names:
 
     def write_new(self, connection: Connection) -> None:
         """Record what has got a number since the last commit."""
-        for table in (tables.channel, tables.boot, tables.catalogue):
+        insert_values(connection, tables.channel, _CHANNEL, self._new_channels)
+        for table in (tables.boot, tables.catalogue):
             rows = [row for owner, row in self._new if owner is table]
             if rows:
                 insert_rows(connection, table, rows)
@@ -187,6 +191,7 @@ class Names:
     def clear_new(self) -> None:
         """Forget what was new, now that it is committed."""
         self._new.clear()
+        self._new_channels.clear()
         self._renamed.clear()
 
     def _forget_lists(self, site: str) -> None:
@@ -195,23 +200,23 @@ class Names:
 
     def _channel_ids(self, site: str, addresses: Sequence[str], now_us: int) -> NDArray[np.int64]:
         known = self.channels
-        new = list(dict.fromkeys(name for name in addresses if (site, name) not in known))
+        keys = list(zip(repeat(site), addresses))
+        new = [name for _, name in dict.fromkeys(key for key in keys if key not in known)]
         _check_names(site, *new)
         if new:
             # Together: a list of ten thousand names is what a hub has once, and waits for.
             first = self.next_of("channel")
             numbers = range(first, first + len(new))
             self._next["channel"] = numbers.stop
-            known.update(zip([(site, name) for name in new], numbers, strict=True))
+            known.update(zip(zip(repeat(site), new), numbers, strict=True))
             none = dict.fromkeys(numbers, 0)
             self.saved_row.update(none)
             self.longest_us.update(none)
-            columns = {"site": site, "since_us": now_us, "saved_row": 0, "longest_us": 0}
-            self._new += [
-                (tables.channel, {"id": number, "address": name, **columns})
-                for number, name in zip(numbers, new, strict=True)
-            ]
-        return np.array([known[site, name] for name in addresses], np.int64)
+            none_yet = repeat(0)
+            self._new_channels += zip(
+                numbers, repeat(site), new, repeat(now_us), none_yet, none_yet
+            )
+        return np.fromiter(map(known.__getitem__, keys), np.int64, len(keys))
 
     def _take_number(self, kind: str) -> int:
         number = self.next_of(kind)
@@ -244,15 +249,24 @@ def write_counters(connection: Connection, counters: Mapping[str, int]) -> None:
 
 
 def _check_names(*names: str) -> None:
-    for name in names:
-        if not 0 < len(name) <= _LONGEST_NAME or "\0" in name or name != name.strip():
-            raise HistoryError(
-                f"the name {name[:40]!r} cannot be kept",
-                f"use 1 to {_LONGEST_NAME} characters, no NUL and no space at either end",
-            )
+    together = "".join(names)
+    sizes = [*map(len, names)]
+    # All at once first: which of ten thousand it is matters only where one is wrong.
+    if min(sizes) < 1 or max(sizes) > _LONGEST_NAME or "\0" in together or _have_spaces(names):
+        for name in names:
+            if not 0 < len(name) <= _LONGEST_NAME or "\0" in name or name != name.strip():
+                raise HistoryError(
+                    f"the name {name[:40]!r} cannot be kept",
+                    f"use 1 to {_LONGEST_NAME} characters, no NUL and no space at either end",
+                )
     try:
-        "".join(names).encode()
+        together.encode()
     except UnicodeEncodeError as error:
         wrong = error.object[error.start : error.end]
         name = next((name for name in names if wrong in name), wrong)
         raise HistoryError(f"the name {name[:40]!r} is not Unicode text") from error
+
+
+def _have_spaces(names: Sequence[str]) -> bool:
+    """Tell whether one has a space at either end."""
+    return [*map(str.strip, names)] != [*names]

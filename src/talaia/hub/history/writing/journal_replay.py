@@ -15,7 +15,7 @@ from sqlalchemy import select
 
 from talaia.hub.history.blocks.block import BlockSamples
 from talaia.hub.history.blocks.journal import JournalSamples, read_rows
-from talaia.hub.history.writing.open_blocks import Chunk
+from talaia.hub.history.writing.chunks import Chunk
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:

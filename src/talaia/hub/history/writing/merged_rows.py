@@ -1,8 +1,7 @@
 """Small rows of the journal that follow each other are made one, as if they had come as one batch.
 
 With thousands of channels rows stay in the journal until each channel has a block's worth. SQLite
-keeps whole rows in a page, of which a thousand samples fill three quarters; and many samples
-together are compressed better than few.
+keeps whole rows in a page, of which a thousand samples fill two thirds.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import delete
 
-from talaia.hub.history.blocks.journal import MANY_CHANNELS, merge_columns
+from talaia.hub.history.blocks.journal import MANY_CHANNELS, merge_bodies
 from talaia.hub.history.writing.bulk_writes import put_rows
 from talaia.hub.store import history_tables as tables
 
@@ -20,14 +19,12 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection
 
-    from talaia.wire.columns import Columns
-
 __all__ = ["MergedRow", "RowMerger"]
 
 # A row with more samples wastes little of its last page.
 _SMALL = 8_192
 # So many samples make a row that is worth writing them a second time.
-_ENOUGH = 16_384
+_ENOUGH = 32_768
 
 
 class MergedRow(NamedTuple):
@@ -59,39 +56,36 @@ class RowMerger:
 
     def __init__(self) -> None:
         """Have none."""
-        # Rows that follow each other, with their samples.
-        self._run: list[tuple[dict[str, Any], Columns]] = []
+        # Rows that follow each other.
+        self._run: list[dict[str, Any]] = []
         self._samples = 0
         # How often batches had been dealt out when the run began.
         self._deals = 0
 
-    def add_rows(
-        self, rows: Sequence[dict[str, Any]], columns: Sequence[Columns], deals: int
-    ) -> None:
+    def add_rows(self, rows: Sequence[dict[str, Any]], deals: int) -> None:
         """Take rows that have been committed, after so many deals."""
-        for row, samples in zip(rows, columns, strict=True):
+        for row in rows:
             if deals != self._deals or not self._follows(row):
                 self._forget_run()
             self._deals = deals
             if row["body"][0] == MANY_CHANNELS and row["samples"] < _SMALL:
-                self._run.append((row, samples))
+                self._run.append(row)
                 self._samples += row["samples"]
 
     def next_row(self, deals: int) -> MergedRow | None:
         """Give a row in the place of those that were gathered, if they are enough."""
         if deals != self._deals or self._samples < _ENOUGH:
             return None
-        first, last = self._run[0][0], self._run[-1][0]
-        columns = [samples for _, samples in self._run]
+        first, last = self._run[0], self._run[-1]
         made = {**first, "id": last["id"], "samples": self._samples}
-        made["body"] = merge_columns(columns)
+        made["body"] = merge_bodies([row["body"] for row in self._run], self._samples)
         self._forget_run()
         return MergedRow(first["id"], made)
 
     def _follows(self, row: dict[str, Any]) -> bool:
         if not self._run:
             return True
-        last = self._run[-1][0]
+        last = self._run[-1]
         same = all(row[name] == last[name] for name in ("boot_id", "catalogue_id"))
         after = row["first_seq"] == last["first_seq"] + last["samples"]
         return same and after and bool(row["id"] == last["id"] + 1)

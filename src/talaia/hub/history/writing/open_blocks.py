@@ -13,17 +13,26 @@ import threading
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples
+from talaia.hub.history.blocks.block import BlockSamples, Reading, concatenate_samples
+from talaia.hub.history.writing.chunks import (
+    Stretch,
+    deal_by_channel,
+    join_chunks,
+    newest_by_channel,
+    pick_channels,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Mapping
 
-__all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
+    from talaia.hub.history.writing.chunks import Chunk
 
-# More pieces of a tail are joined to one, and so many batches that wait.
+__all__ = ["NewestHeld", "Snapshot", "Tail", "Tails"]
+
+# More pieces of a tail are joined to one, and so many batches that wait, or of so many samples.
 _PARTS = 64
+_MOST_SINGLE = 32_768
 # Taking batches apart costs by the channel, so it waits for so many samples of each. A reader looks
 # through all that wait, so it is not more than so many in all.
 _OF_EACH = 16
@@ -32,24 +41,6 @@ _OF_MANY, _VERY_MANY = 32, 1_000
 _MOST_WAITING = 524_288
 # Fewer channels that are not known yet are dealt out at once: it costs next to nothing.
 _FEW = 64
-# So many channels or more are looked for together in what waits.
-_MANY = 4
-
-
-class Chunk(NamedTuple):
-    """Samples of one journal row or several; the arrays have the shape (n,).
-
-    Attributes:
-        row: the journal row's id; the first one's, if several were joined.
-        channel: channel ids, not catalogue indexes.
-
-    """
-
-    row: int
-    channel: NDArray[np.int64]
-    time_us: NDArray[np.int64]
-    value: NDArray[np.float64]
-    texts: dict[int, str]
 
 
 class Tail:
@@ -70,8 +61,10 @@ class Tail:
         self.size = 0
         self.oldest_row: int | None = None
         self.saved = False
-        # Between which times the first ``_bounded`` parts lie: found when a reader asks.
+        # Between which times the first ``_bounded`` parts lie, and the newest sample of them: found
+        # when a reader asks.
         self._first_us, self._last_us = 2**63 - 1, -(2**63)
+        self._newest: Reading | None = None
         self._bounded = 0
 
     def add_samples(self, samples: BlockSamples) -> None:
@@ -85,12 +78,29 @@ class Tail:
 
     def touches(self, from_us: int, to_us: int) -> bool:
         """Whether any of it may lie in a window; most windows of the past are before all of it."""
+        self._look_at_parts()
+        return self._first_us <= to_us and self._last_us >= from_us
+
+    def newest_reading(self) -> Reading | None:
+        """Give the newest of its samples; of equal times the one that came last."""
+        self._look_at_parts()
+        return self._newest
+
+    def _look_at_parts(self) -> None:
         for part in self.parts[self._bounded :]:
             if part.time_us.size:
                 self._first_us = min(self._first_us, int(part.time_us.min()))
-                self._last_us = max(self._last_us, int(part.time_us.max()))
+                newest = part.newest_reading()
+                if newest[0] >= self._last_us:
+                    self._last_us, self._newest = newest[0], newest
         self._bounded = len(self.parts)
-        return self._first_us <= to_us and self._last_us >= from_us
+
+
+class NewestHeld(NamedTuple):
+    """The newest of what stood in memory of some channels at one moment; ``block``: see below."""
+
+    readings: dict[int, Reading]
+    block: int
 
 
 class Snapshot(NamedTuple):
@@ -121,13 +131,13 @@ class Tails:
         """
         # Readers on other threads see either the recent batches or the tails made of them.
         self._lock = threading.Lock()
-        # Committed batches, as they came, not yet dealt out; the last so many are not joined yet.
+        # Committed batches that are not yet dealt out: those that were joined, and the last few.
+        self._joined: list[Stretch] = []
         self._recent: list[Chunk] = []
-        self._single = 0
         # The row of the newest of them.
         self._recent_row = row
-        # Samples in ``_recent``.
-        self._waiting = 0
+        # Samples in all of them, and in the last few.
+        self._waiting = self._single = 0
         # By channel id; a channel has one only while it has samples outside blocks.
         self._tails: dict[int, Tail] = {}
         # Taking batches apart pays only from so many samples on; more, if there are many channels.
@@ -160,16 +170,16 @@ class Tails:
             for chunk in chunks:
                 self._recent.append(chunk)
                 self._recent_row = last_row or chunk.row
-                self._single += 1
-                # A reader looks through ten thousand small arrays slowly.
-                if self._single == _PARTS:
-                    self._recent[-_PARTS:] = [_join_chunks(self._recent[-_PARTS:])]
-                    self._single = 0
+                self._single += chunk.time_us.size
+                # A reader looks through ten thousand small arrays slowly, and through large ones.
+                if len(self._recent) == _PARTS or self._single >= _MOST_SINGLE:
+                    self._joined.append(Stretch(join_chunks(self._recent)))
+                    self._recent, self._single = [], 0
             self._waiting += sum(chunk.time_us.size for chunk in chunks)
 
     def waiting_channels(self) -> set[int]:
         """Give the channels of batches that are not dealt out; for the writing thread only."""
-        ids = [chunk.channel for chunk in self._recent]
+        ids = [chunk.channel for chunk in self._all_waiting()]
         return set(np.unique(np.concatenate(ids)).tolist()) if ids else set()
 
     def is_due(self) -> bool:
@@ -178,7 +188,7 @@ class Tails:
         if self._waiting < max(self._enough, self._enough_waiting, enough):
             return False
         # Seldom: of ten thousand channels that are all new, none has a tail yet.
-        ids = np.concatenate([chunk.channel for chunk in self._recent])
+        ids = np.concatenate([chunk.channel for chunk in self._all_waiting()])
         channels = np.count_nonzero(np.bincount(ids))
         if channels > _FEW:
             self._enough_waiting = _enough_of(int(channels))
@@ -192,11 +202,11 @@ class Tails:
 
     def deal_chunks(self) -> bool:
         """Take the waiting batches apart, by channel; tell whether there were any."""
-        chunks = self._recent
+        chunks = self._all_waiting()
         if not chunks:
             return False
         # Outside the lock: it is the long part, and only this thread changes what it reads.
-        dealt = _deal_by_channel(chunks)
+        dealt = deal_by_channel(chunks)
         with self._lock:
             tails = self._tails
             for channel, row, samples in dealt:
@@ -206,7 +216,8 @@ class Tails:
                 tail.add_samples(samples)
                 if tail.oldest_row is None:
                     tail.oldest_row = row
-            self._recent, self._waiting, self._single = [], 0, 0
+            self._joined, self._recent = [], []
+            self._waiting = self._single = 0
             self._enough_waiting = 0
             self._needed = None
             self.deals += 1
@@ -259,87 +270,46 @@ class Tails:
                 tail = self._tails.get(channel)
                 if tail is not None and tail.touches(from_us, to_us):
                     parts += tail.parts
-            recent = list(self._recent)
+            joined, recent = list(self._joined), list(self._recent)
             block = self.block
-        for channel, samples in _find_waiting(recent, found):
+        waiting = pick_channels(joined, recent, channels) if channels else None
+        for channel, _, samples in deal_by_channel([waiting]) if waiting is not None else ():
             found[channel].append(samples)
         return {
             channel: Snapshot(concatenate_samples(parts), block) for channel, parts in found.items()
         }
+
+    def newest_readings(self, channels: Collection[int], to_us: int) -> NewestHeld:
+        """Give what is newest of channels up to a time, as of one moment; from any thread."""
+        found: dict[int, Reading] = {}
+        # Those of which more is held than up to the time.
+        beyond: list[tuple[int, list[BlockSamples]]] = []
+        with self._lock:
+            for channel in channels:
+                tail = self._tails.get(channel)
+                if tail is None:
+                    continue
+                if (newest := tail.newest_reading()) is not None and newest[0] <= to_us:
+                    found[channel] = newest
+                elif tail.touches(-(2**63), to_us):
+                    beyond.append((channel, list(tail.parts)))
+            joined, recent = list(self._joined), list(self._recent)
+            block = self.block
+        for channel, parts in beyond:
+            found[channel] = concatenate_samples(parts).up_to(to_us).newest_reading()
+        waiting = pick_channels(joined, recent, channels) if channels else None
+        if waiting is not None:
+            for channel, reading in newest_by_channel(waiting, to_us):
+                # What waits came later than what is in the tail.
+                if channel not in found or reading[0] >= found[channel][0]:
+                    found[channel] = reading
+        return NewestHeld(found, block)
+
+    def _all_waiting(self) -> list[Chunk]:
+        return [*(stretch.chunk for stretch in self._joined), *self._recent]
 
 
 def _enough_of(channels: int) -> int:
     """Give how many samples wait at least before they are dealt out to so many channels."""
     of_each = _OF_EACH if channels < _VERY_MANY else _OF_MANY
     return min(of_each * channels, _MOST_WAITING)
-
-
-def _find_waiting(
-    chunks: list[Chunk], channels: Collection[int]
-) -> Iterator[tuple[int, BlockSamples]]:
-    """Find the samples of channels in batches, of each in the order in which they came."""
-    if len(channels) >= _MANY and chunks:
-        # All that wait would be looked through for each of them.
-        whole = _join_chunks(chunks)
-        ids = whole.channel
-        wanted = np.zeros(1 + max(int(ids.max(initial=0)), *channels), np.bool_)
-        wanted[list(channels)] = True
-        positions = np.flatnonzero(wanted[ids])
-        samples = BlockSamples(whole.time_us, whole.value, whole.texts)
-        mine = Chunk(whole.row, ids[positions], *samples.select_positions(positions))
-        for channel, _, of_channel in _deal_by_channel([mine]):
-            yield channel, of_channel
-        return
-    for channel in channels:
-        for chunk in chunks:
-            positions = np.flatnonzero(chunk.channel == channel)
-            if positions.size:
-                samples = BlockSamples(chunk.time_us, chunk.value, chunk.texts)
-                yield channel, samples.select_positions(positions)
-
-
-def _deal_by_channel(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]:
-    """Give channel, first row and samples of each channel, in the order in which they came."""
-    ids = np.concatenate([chunk.channel for chunk in chunks])
-    if not ids.size:  # after a start, all of it may have been in blocks already
-        return []
-    together = concatenate_samples([BlockSamples(c.time_us, c.value, c.texts) for c in chunks])
-    if bool((ids == ids[0]).all()):
-        first = next(chunk.row for chunk in chunks if chunk.time_us.size)
-        return [(int(ids[0]), first, together if len(chunks) > 1 else _own_copy(together))]
-    sizes = [chunk.time_us.size for chunk in chunks]
-    rows = np.repeat(np.array([chunk.row for chunk in chunks], np.int64), sizes)
-    order = np.argsort(ids, kind="stable")
-    in_turn = together.select_positions(order)
-    ids = ids[order]
-    starts = np.flatnonzero(np.concatenate(([True], ids[1:] != ids[:-1])))
-    texts: dict[int, dict[int, str]] = {}
-    for position, text in in_turn.texts.items():
-        number = int(np.searchsorted(starts, position, "right")) - 1
-        texts.setdefault(number, {})[position - int(starts[number])] = text
-    # With ten thousand channels each call for each of them counts: all that can be is done at once.
-    bounds = zip(starts.tolist(), [*starts[1:].tolist(), ids.size], strict=True)
-    owners = zip(ids[starts].tolist(), rows[order[starts]].tolist(), bounds, strict=True)
-    time_us, value = in_turn.time_us, in_turn.value
-    # A view would keep the batch of all channels in memory for as long as this one.
-    return [
-        (
-            channel,
-            row,
-            BlockSamples(time_us[first:past].copy(), value[first:past].copy(), texts.get(at, {})),
-        )
-        for at, (channel, row, (first, past)) in enumerate(owners)
-    ]
-
-
-def _join_chunks(chunks: list[Chunk]) -> Chunk:
-    """Make one of several; its row is the first one's, so that none is deleted too early."""
-    parts = [BlockSamples(chunk.time_us, chunk.value, chunk.texts) for chunk in chunks]
-    samples = concatenate_samples(parts)
-    ids = np.concatenate([chunk.channel for chunk in chunks])
-    return Chunk(chunks[0].row, ids, samples.time_us, samples.value, samples.texts)
-
-
-def _own_copy(samples: BlockSamples) -> BlockSamples:
-    # A view would keep the whole batch of all channels in memory for as long as this channel.
-    return BlockSamples(samples.time_us.copy(), samples.value.copy(), samples.texts)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection
 
     from talaia.hub.history.writing.channel_ids import Names
-    from talaia.hub.history.writing.open_blocks import Chunk, Tails
+    from talaia.hub.history.writing.chunks import Chunk
+    from talaia.hub.history.writing.open_blocks import Tails
     from talaia.hub.history.writing.writer_jobs import Adopt, Forget
 
 __all__ = ["Adopted", "Forgotten", "adopt_blocks", "count_outside", "forget_site"]

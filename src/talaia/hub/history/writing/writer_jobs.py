@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from talaia.hub.history.writing.retention import Doomed
+    from talaia.model.site import Site
 
 __all__ = [
     "Adopt",
@@ -67,6 +68,11 @@ class Describe(NamedTuple):
 
     site: str
     addresses: Sequence[str]
+
+    @classmethod
+    def every_channel(cls, site: Site) -> Describe:
+        """Name all that a description has."""
+        return cls(site.site, [channel.address for channel in site.channels()])
 
 
 class Rename(NamedTuple):

@@ -116,9 +116,15 @@ class Dialect(Protocol):
     # ── many rows ──
 
     def write_rows(
-        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+        self,
+        connection: Connection,
+        table: Table,
+        names: tuple[str, ...],
+        rows: Sequence[Sequence[Any]],
+        *,
+        in_place: bool,
     ) -> None:
-        """Insert rows with the same keys; ``in_place`` of those with the same primary key.
+        """Insert rows of values of the columns ``names``; ``in_place`` of the same primary key's.
 
         A statement for each row would be most of the time on a server: every one waits for an
         answer. And these few statements run a thousand times a second, so their words are made

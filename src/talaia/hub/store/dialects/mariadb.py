@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
-    from talaia.hub.store.dialects.dialect import Query, Row, Values
+    from talaia.hub.store.dialects.dialect import Query, Values
     from talaia.hub.store.dialects.lead_words import LeadWords
 
 __all__ = ["MariadbDialect"]
@@ -120,10 +120,16 @@ class MariadbDialect:
             connection.execute(text("SELECT RELEASE_LOCK(:name)"), name)
 
     def write_rows(
-        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+        self,
+        connection: Connection,
+        table: Table,
+        names: tuple[str, ...],
+        rows: Sequence[Sequence[Any]],
+        *,
+        in_place: bool,
     ) -> None:
         """Let the driver make one statement of all rows."""
-        run_for_rows(connection, _insert_words(table, tuple(rows[0]), in_place), rows)
+        run_for_rows(connection, _insert_words(table, names, in_place), rows)
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
         """Ask for one long text of each column: PyMySQL is Python, ten times slower by rows.

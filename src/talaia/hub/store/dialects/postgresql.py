@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
-    from talaia.hub.store.dialects.dialect import Query, Row, Values
+    from talaia.hub.store.dialects.dialect import Query, Values
     from talaia.hub.store.dialects.lead_words import LeadWords
 
 __all__ = ["PostgresqlDialect"]
@@ -99,7 +99,13 @@ class PostgresqlDialect:
         yield
 
     def write_rows(
-        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+        self,
+        connection: Connection,
+        table: Table,
+        names: tuple[str, ...],
+        rows: Sequence[Sequence[Any]],
+        *,
+        in_place: bool,
     ) -> None:
         """Write numbers and bytes into the statement, texts as arrays.
 
@@ -107,13 +113,13 @@ class PostgresqlDialect:
         character, and wait twice for an answer. Texts would have to be quoted, which is the
         driver's to do: they go as one array for each column.
         """
-        names = tuple(rows[0])
         if _has_texts(table, names):
-            columns = {name: [row[name] for row in rows] for name in names}
-            connection.execute(_unnest_insert(table, names, in_place), columns)
+            columns = map(list, zip(*rows, strict=True))
+            found = dict(zip(names, columns, strict=True))
+            connection.execute(_unnest_insert(table, names, in_place), found)
             return
         past = on_conflict(table, names) if in_place else ""
-        written = ",".join([f"({','.join(map(_sql_literal, row.values()))})" for row in rows])
+        written = ",".join([f"({','.join(map(_sql_literal, row))})" for row in rows])
         connection.exec_driver_sql(f"{insert_head(table, names)}{written}{past}")
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sqlalchemy.engine.interfaces import DBAPIConnection, DBAPICursor
     from sqlalchemy.pool import ConnectionPoolEntry
 
-    from talaia.hub.store.dialects.dialect import Query, Row, Values
+    from talaia.hub.store.dialects.dialect import Query, Values
     from talaia.hub.store.dialects.lead_words import LeadWords
 
 __all__ = ["SqliteDialect", "copy_file"]
@@ -116,14 +116,19 @@ class SqliteDialect:
         yield
 
     def write_rows(
-        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+        self,
+        connection: Connection,
+        table: Table,
+        names: tuple[str, ...],
+        rows: Sequence[Sequence[Any]],
+        *,
+        in_place: bool,
     ) -> None:
         """Run one prepared statement for all rows."""
-        words = _insert_words(table, tuple(rows[0]), in_place)
-        values = [tuple(row.values()) for row in rows]
+        words = _insert_words(table, names, in_place)
         # SQLAlchemy's own way takes longer than SQLite takes for a row.
         with _translated(connection, words) as cursor:
-            cursor.executemany(words, values)
+            cursor.executemany(words, rows)
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
         """Take rows as the driver makes them: to make SQLAlchemy's of them takes as long again."""

@@ -13,14 +13,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from sqlalchemy import Connection, Table
 
-    from talaia.hub.store.dialects.dialect import Row
 
 __all__ = ["insert_head", "on_conflict", "parse_columns", "run_for_rows", "split_names"]
 
 
-def run_for_rows(connection: Connection, words: str, rows: Sequence[Row]) -> None:
+def run_for_rows(connection: Connection, words: str, rows: Sequence[Sequence[Any]]) -> None:
     """Run one statement with the values of all rows as its parameters, in the driver's own way."""
-    values = [tuple(row.values()) for row in rows]
+    values = [tuple(row) for row in rows]
     connection.exec_driver_sql(words, values if len(values) > 1 else values[0])
 
 
