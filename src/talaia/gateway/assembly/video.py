@@ -11,6 +11,7 @@ from talaia.gateway.fits.whole_files import WholeFiles
 from talaia.gateway.uplink.pictures import PictureUplink
 from talaia.gateway.video.blur_detectors import BlurDetectors
 from talaia.gateway.video.frame_source import FrameSource
+from talaia.gateway.video.worker import SharedBudget
 from talaia.objects.worker import Worker
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ class VideoPart(GatewayPart):
     Attributes:
         frames: gives pixels to whoever looks at cameras here, such as a detector.
         pictures: encoded, to the hub and to films.
+        budget: what all pictures together may take of the cores.
         films: takes encoded pictures of cameras; none where nothing is filmed.
         blur_detectors: find what is blurred before a picture leaves.
         outbox: whole FITS files that wait for the hub's archive.
@@ -57,6 +59,7 @@ class VideoPart(GatewayPart):
             )
         )
         self.films = recording.films
+        self.budget = SharedBudget()
         self.pictures = PictureUplink(
             base.loop,
             base.clock,
@@ -64,6 +67,7 @@ class VideoPart(GatewayPart):
             films=self.films,
             taps=taps.outbox,
             detectors=self.blur_detectors,
+            budget=self.budget,
         )
         # What an earlier run could not send is taken up again.
         self.outbox = ArchiveOutbox(

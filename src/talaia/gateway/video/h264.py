@@ -33,6 +33,9 @@ _FORMATS = {
     "NV12": "nv12",
     "I420": "yuv420p",
 }
+# Of those, the ones that it reads where they lie; to copy a picture costs as much as to turn it into
+# the encoder's colours, twice, and with the interpreter's lock, for which driving would wait.
+_AS_THEY_LIE = ("rgb24", "bgr24", "rgba", "bgra", "gray", "nv12", "yuv420p")
 _MICROS = Fraction(1, 1_000_000)  # Times go through unchanged, in µs.
 # FFmpeg's numbers: SMPTE 170M is BT.601; 1 is the limited range.
 _SMPTE170M, _LIMITED = 6, 1
@@ -178,6 +181,10 @@ def _frame_of(pixels: Pixels) -> av.VideoFrame:
     if form is None or (odd and form not in ("rgb24", "bgr24", "rgba", "bgra", "gray")):
         return av.VideoFrame.from_ndarray(rgb_of(pixels), format="rgb24")
     data = pixels.data[:, :, 0] if form == "gray" else pixels.data
+    # It takes the planes of other heights for shorter than they are.
+    whole = form not in ("nv12", "yuv420p") or pixels.height % 4 == 0
+    if form in _AS_THEY_LIE and whole and data.flags.c_contiguous:
+        return av.VideoFrame.from_numpy_buffer(data, format=form)
     return av.VideoFrame.from_ndarray(data, format=form)
 
 

@@ -79,6 +79,7 @@ class Ros2Adapter:
         self._scope, self._status = scope, status
         self._clock, self._samples = context.clock, context.samples
         self._pictures, self._events = context.pictures, context.events
+        self._budget = context.budget
         self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
@@ -218,7 +219,7 @@ class Ros2Adapter:
             paced=pacer_of(context),
         )
         heard_ns: dict[str, int] = {}
-        self._worker = PictureWorker(self._pictures, self._clock)
+        self._worker = PictureWorker(self._pictures, self._clock, self._budget)
         self._packageless = PackagelessServices(
             node=self._node_name, domain=context.get_domain_id(), named=self._definitions
         )
