@@ -41,6 +41,6 @@ def decoder_for(type_name: str, by_class: Callable[[bytes], object]) -> Callable
         except (SerdeError, struct.error, ValueError):
             pass
         # The robot's version of the type has other fields; its own class knows them.
-        return by_class(data)
+        return by_class(bytes(data))
 
     return read
