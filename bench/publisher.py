@@ -98,9 +98,7 @@ def main() -> int:
     return 0
 
 
-def film_of(
-    noise: int = 4, width: int = 640, height: int = 480, pictures: int = 60
-) -> list[Image]:
+def film_of(noise: int = 4, width: int = 640, height: int = 480, pictures: int = 60) -> list[Image]:
     """Pan to and fro over a photograph, with a camera's noise (of 255): two seconds of 640x480."""
     from PIL import Image as Pictures
 

@@ -117,9 +117,13 @@ async def running(
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
         (folder / "site.yaml").write_text(
             site_text(
-                topics, camera=camera, cameras=cameras, compressed=compressed, detect=detect,
+                topics,
+                camera=camera,
+                cameras=cameras,
+                compressed=compressed,
+                detect=detect,
                 tapped=tapped,
-            )  # fmt: skip
+            )
         )
         if before is not None:
             await before(settings)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GOOD_HZ", "LARGEST_DIVISOR", "LEAST_ROOM", "CoreBudget", "PictureSize", "Turns"]
 
-# Of all cores at the most; and never less than this (cores), which is a small camera at 30 Hz twice.
+# Of all cores at the most; and never less than this (cores): a small camera at 30 Hz, twice.
 _SHARE, LEAST_ROOM = 0.5, 0.25
 # So much may be made up for at once (µs): pictures of several cameras come at the same moment.
 _BURST_US = 50_000
@@ -27,9 +27,10 @@ _DOWN_US, _UP_US = 300_000, 2_000_000
 # Below this a camera is made smaller; and larger again where it would still come so much faster.
 GOOD_HZ, _AGAIN = 10.0, 1.3
 LARGEST_DIVISOR = 4
-# What is judged at a time (µs), and for how many such times there must be room for a larger one.
-_WINDOW_US, _CALM_WINDOWS = 1_000_000, 5
-# A smaller size that did not bring so much more (factor) is given up, and not tried for a while.
+# What is judged at a time (µs, pictures), and how many such times there must be room for a larger
+# one.
+_WINDOW_US, _WINDOW_PICTURES, _CALM_WINDOWS = 1_000_000, 3, 5
+# A smaller size that is not so much cheaper (factor) is given up, and not tried for a while.
 _HELPS, _NOT_AGAIN_WINDOWS = 1.2, 60
 
 
@@ -88,10 +89,6 @@ class Turns:
         """Take what the picture of the one that was chosen has cost (µs of a processor)."""
         self._had[stream] = max(self._now, self._had.get(stream, 0)) + cpu_us
 
-    def forget(self, stream: str) -> None:
-        """A camera is gone."""
-        self._had.pop(stream, None)
-
 
 class PictureSize:
     """By what one camera's pictures are made smaller, so that they come often enough."""
@@ -102,8 +99,8 @@ class PictureSize:
         self._since_us = 0  # When this window began (µs).
         self._made = self._lost = self._cost_us = 0  # Pictures and processor time within it.
         self._calm = 0  # Windows in which a larger size would have come often enough.
-        # Pictures a second of the size before this one, where that was given up for its slowness.
-        self._before_hz = 0.0
+        # What a picture cost (µs) in the size that was just given up; 0: none was.
+        self._before_us = 0.0
         self._settled = 0  # Windows for which it is not made smaller, since that did not help.
 
     def note_picture(self, now_us: int, cpu_us: int, *, lost: int, room: float) -> None:
@@ -123,7 +120,7 @@ class PictureSize:
         self._lost += lost
         self._cost_us += cpu_us
         lasted_us = now_us - self._since_us
-        if lasted_us >= _WINDOW_US:
+        if lasted_us >= _WINDOW_US and self._made >= _WINDOW_PICTURES:
             self._judge(self._made * 1e6 / lasted_us, lasted_us, room)
             self._begin(now_us)
 
@@ -132,16 +129,16 @@ class PictureSize:
 
     def _judge(self, rate_hz: float, lasted_us: int, room: float) -> None:
         self._settled = max(0, self._settled - 1)
-        if self._before_hz:
-            if rate_hz < self._before_hz * _HELPS and self._lost:
-                # What is dear is not the size; back, for a larger one costs no more.
-                self.divisor, self._settled = self.divisor - 1, _NOT_AGAIN_WINDOWS
-            self._before_hz = 0.0
+        cost_us = self._cost_us / self._made
+        before_us, self._before_us = self._before_us, 0.0
+        if before_us and before_us < cost_us * _HELPS:
+            # What is dear is not the size; back, for a larger one costs no more.
+            self.divisor, self._settled = self.divisor - 1, _NOT_AGAIN_WINDOWS
             return
         if self._lost and rate_hz < GOOD_HZ:
             self._calm = 0
             if self.divisor < LARGEST_DIVISOR and not self._settled:
-                self._before_hz = rate_hz
+                self._before_us = cost_us
                 self.divisor += 1
             return
         if self.divisor > 1 and self._larger_hz(lasted_us, room) >= GOOD_HZ * _AGAIN:

@@ -36,8 +36,8 @@ _FORMATS = {
     "NV12": "nv12",
     "I420": "yuv420p",
 }
-# Of those, the ones that it reads where they lie; to copy a picture costs as much as to turn it into
-# the encoder's colours, twice, and with the interpreter's lock, for which driving would wait.
+# Of those, the ones that it reads where they lie: a copy of a picture costs a quarter of a
+# millisecond at 640x480, with the interpreter's lock, for which driving would wait.
 _AS_THEY_LIE = ("rgb24", "bgr24", "rgba", "bgra", "gray", "nv12", "yuv420p")
 _MICROS = Fraction(1, 1_000_000)  # Times go through unchanged, in µs.
 # FFmpeg's numbers: SMPTE 170M is BT.601; 1 is the limited range.

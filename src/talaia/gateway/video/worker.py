@@ -67,9 +67,7 @@ class PictureWorker:
     copies) is done without that lock.
     """
 
-    def __init__(
-        self, sink: PictureSink, clock: Clock, budget: SharedBudget | None = None
-    ) -> None:
+    def __init__(self, sink: PictureSink, clock: Clock, budget: SharedBudget | None = None) -> None:
         """Take where pictures go, and what all threads together may take; `start` begins."""
         self._sink = sink
         self._clock = clock

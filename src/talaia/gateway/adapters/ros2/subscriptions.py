@@ -121,9 +121,7 @@ class Ros2Subscriptions:
         """
         found = self._wanted.get(key)
         if found is None:
-            self._wanted[key] = _WantedTopic(
-                topic, type_name, reader, depth=depth, large=large
-            )
+            self._wanted[key] = _WantedTopic(topic, type_name, reader, depth=depth, large=large)
             return
         found.reader = reader
         if found.hashes is not None:

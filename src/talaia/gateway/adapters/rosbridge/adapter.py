@@ -113,9 +113,7 @@ class RosbridgeAdapter:
     async def run(self) -> None:
         """See `Adapter.run`."""
         where = self._url
-        worker = self._worker = PictureWorker(
-            self._pictures, self._clock, self._budget
-        )
+        worker = self._worker = PictureWorker(self._pictures, self._clock, self._budget)
         worker.start()
         try:
             async with self._dial(max_size=_MAX_FRAME) as socket:

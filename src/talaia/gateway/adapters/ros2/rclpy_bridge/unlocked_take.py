@@ -103,7 +103,7 @@ class UnlockedTake:
             return None
         held = (ctypes.c_uint8 * buffer.length).from_address(buffer.start)
         # Whoever has a part of the message has all of this.
-        held.lease = lease  # type: ignore[attr-defined]
+        held.lease = lease
         return memoryview(held).cast("B"), {
             "source_timestamp": info.source_timestamp,
             "received_timestamp": info.received_timestamp,

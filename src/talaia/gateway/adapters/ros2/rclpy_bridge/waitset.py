@@ -72,7 +72,9 @@ class WaitThread:
         # Appended by any thread and emptied by ours; a deque needs no lock for these two.
         self._jobs: deque[Callable[[], None]] = deque()
         # By the pointer of the handle, as the wait set names what is ready.
-        self._subscriptions: dict[int, tuple[Any, Callable[[], Any], Callable[[Any, Any], None]]] = {}
+        self._subscriptions: dict[
+            int, tuple[Any, Callable[[], Any], Callable[[Any, Any], None]]
+        ] = {}
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
         # Read at every turn; set once, by whoever ends the thread.
         self._ended = False
