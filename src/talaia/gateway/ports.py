@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.tap_ports import TapSink
     from talaia.gateway.velocity_demand import VelocityDemand
-    from talaia.gateway.video.worker import SharedBudget
     from talaia.model.detection import Blur
     from talaia.model.site import Device
     from talaia.objects.detection import Detection
@@ -41,6 +40,7 @@ __all__ = [
     "FrameSink",
     "LogSink",
     "PacedAdapter",
+    "PictureBudget",
     "PictureSink",
     "RawSink",
     "ReadingSource",
@@ -158,6 +158,27 @@ class PictureSink(Protocol):
 
     def trouble(self, stream: str, why: str) -> None:
         """Take why a stream cannot be shown now; said again while it lasts."""
+        ...
+
+
+class PictureBudget(Protocol):
+    """What all pictures together may take of the cores. Any thread."""
+
+    @property
+    def room(self) -> float:
+        """What they may take now (cores)."""
+        ...
+
+    def note_lateness(self, late_us: int, now_us: int) -> None:
+        """Take by how much the event loop was late just now (µs)."""
+        ...
+
+    def spend(self, began_us: int, cpu_us: int) -> None:
+        """Take what a picture cost (µs of a processor) that was begun then (monotonic)."""
+        ...
+
+    def rest_us(self, now_us: int) -> int:
+        """Give how long no picture may begin from now on (µs)."""
         ...
 
 
@@ -362,7 +383,7 @@ class AdapterContext(NamedTuple):
     raw: RawSink | None = None
     taps: TapSink | None = None
     kept_log: LogSink | None = None
-    budget: SharedBudget | None = None
+    budget: PictureBudget | None = None
 
 
 class FileSink(Protocol):

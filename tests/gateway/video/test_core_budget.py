@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from hypothesis import given, strategies as st
-
 import pytest
+from hypothesis import given, strategies as st
 
 from talaia.gateway.video.core_budget import (
     GOOD_HZ,
@@ -20,7 +19,9 @@ pytestmark = pytest.mark.pure
 COSTS = st.integers(500, 200_000)
 
 
-def played(cost_us: int, room: float, seconds: float, size: PictureSize, camera_hz: float = 30) -> float:
+def played(
+    cost_us: int, room: float, seconds: float, size: PictureSize, camera_hz: float = 30
+) -> float:
     """Play a camera within a room of cores; give the pictures a second of the last fifth."""
     period_us, now_us, came = 1e6 / camera_hz, 0.0, 0
     made: list[float] = []

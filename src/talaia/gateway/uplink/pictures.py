@@ -3,6 +3,8 @@
 Of pictures that need none before them only the newest waits. Those of a film may not be left out,
 so that none is made while the link is full; should some wait all the same, they all go and the
 next is one that needs none before it. Raw topics go on the same connection, behind all pictures.
+
+Long, because what is wanted, what waits and what the link bears is one account.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.ports import Filming
 from talaia.gateway.taps.outbox import TAP_RECEIPTS
 from talaia.gateway.uplink.link_capacity import LinkCapacity
+from talaia.gateway.uplink.loop_lateness import LoopLateness
 from talaia.objects.errors import DetectorError
 from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
@@ -31,11 +34,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
+    from talaia.gateway.ports import PictureBudget
     from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.taps.outbox import TapOutbox
     from talaia.gateway.video.blur_detectors import BlurDetectors
     from talaia.gateway.video.frame_source import FrameSource
-    from talaia.gateway.video.worker import SharedBudget
     from talaia.model.detection import Blur
     from talaia.objects.detection import Detection
     from talaia.wire.frames import BeatReply, DetectedBoxes, ModelOverlay, PictureFrame
@@ -48,8 +51,6 @@ _RECEIPTS = 2**40
 _MOST_WAITING = 6
 # Bytes of a piece of a raw topic whose encryption takes long enough to let others be first.
 _LARGE = 16 * 1024
-# So long after a picture the loop's lateness is looked at (s): not in step with pictures.
-_TIMED_S = 0.02
 # A hub of a former version names no forms; it takes what it always took.
 _FOR_OLD_HUB = frozenset({PictureForm.JPEG.value})
 
@@ -66,15 +67,15 @@ class PictureUplink:
         films: FilmRecorder | None = None,
         taps: TapOutbox | None = None,
         detectors: BlurDetectors | None = None,
-        budget: SharedBudget | None = None,
+        budget: PictureBudget | None = None,
     ) -> None:
         """Take the loop that sends, where those at the gateway look, who films, and raw topics.
 
         ``detectors`` find what is to be blurred; without them no such picture leaves. ``budget`` is
-        told by how much the loop is late while pictures are made; none: nobody wants to know.
+        told by how much the loop is late while pictures are made.
         """
-        self._budget = budget
-        self._is_timed = False  # Something on the loop is due, by which its lateness is found.
+        # None where nobody wants to know.
+        self._lateness = None if budget is None else LoopLateness(loop, clock, budget.note_lateness)
         self._detectors = detectors
         self._films = films  # None where nothing can be filmed.
         self._loop = loop  # Only this loop touches what waits.
@@ -215,21 +216,9 @@ class PictureUplink:
             self._overlays[overlay.stream, overlay.model] = MEDIA_FROM_GATEWAY.encode(overlay)
             self._wake.set()
 
-    def _time_loop(self) -> None:
-        """Find by how much the loop is late, between two pictures."""
-        if self._budget is None or self._is_timed:
-            return
-        self._is_timed = True
-        due_s = self._loop.time() + _TIMED_S
-        self._loop.call_at(due_s, self._note_lateness, self._budget, due_s)
-
-    def _note_lateness(self, budget: SharedBudget, due_s: float) -> None:
-        self._is_timed = False
-        late_us = round((self._loop.time() - due_s) * 1e6)
-        budget.note_lateness(late_us, self._clock.monotonic_ns() // 1000)
-
     def _enqueue_picture(self, picture: PictureFrame) -> None:
-        self._time_loop()
+        if self._lateness is not None:
+            self._lateness.note_picture()
         if not self._linked:
             return
         key = (picture.stream, picture.forms[0] if picture.forms else "")

@@ -14,14 +14,14 @@ from talaia.gateway.video.core_budget import CoreBudget, PictureSize, Turns
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.gateway.ports import PictureSink
+    from talaia.gateway.ports import PictureBudget, PictureSink
     from talaia.gateway.video.camera import PictureStream
 
 __all__ = ["PictureWorker", "SharedBudget"]
 
 
 class SharedBudget:
-    """The `CoreBudget` of all encoding threads of a gateway. Any thread."""
+    """A `PictureBudget`: the `CoreBudget` of all encoding threads of a gateway."""
 
     def __init__(self, cores: float = 0) -> None:
         """Begin with what this process may use, or with so many ``cores``."""
@@ -30,21 +30,21 @@ class SharedBudget:
 
     @property
     def room(self) -> float:
-        """What all pictures may take now (cores)."""
+        """See `PictureBudget.room`."""
         return self._budget.room
 
     def note_lateness(self, late_us: int, now_us: int) -> None:
-        """Take by how much the event loop was late just now (µs)."""
+        """See `PictureBudget.note_lateness`."""
         with self._lock:
             self._budget.note_lateness(late_us, now_us)
 
     def spend(self, began_us: int, cpu_us: int) -> None:
-        """Take what a picture cost (µs of a processor) that was begun then (monotonic)."""
+        """See `PictureBudget.spend`."""
         with self._lock:
             self._budget.spend(began_us, cpu_us)
 
     def rest_us(self, now_us: int) -> int:
-        """Give how long no picture may begin from now on (µs)."""
+        """See `PictureBudget.rest_us`."""
         with self._lock:
             return self._budget.rest_us(now_us)
 
@@ -67,7 +67,9 @@ class PictureWorker:
     copies) is done without that lock.
     """
 
-    def __init__(self, sink: PictureSink, clock: Clock, budget: SharedBudget | None = None) -> None:
+    def __init__(
+        self, sink: PictureSink, clock: Clock, budget: PictureBudget | None = None
+    ) -> None:
         """Take where pictures go, and what all threads together may take; `start` begins."""
         self._sink = sink
         self._clock = clock
