@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
+    from talaia.gateway.cores.shared_budget import SharedBudget
     from talaia.gateway.tap_ports import TapSink
     from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.detection import Blur
@@ -40,7 +41,6 @@ __all__ = [
     "FrameSink",
     "LogSink",
     "PacedAdapter",
-    "PictureBudget",
     "PictureSink",
     "RawSink",
     "ReadingSource",
@@ -158,27 +158,6 @@ class PictureSink(Protocol):
 
     def trouble(self, stream: str, why: str) -> None:
         """Take why a stream cannot be shown now; said again while it lasts."""
-        ...
-
-
-class PictureBudget(Protocol):
-    """What all pictures together may take of the cores. Any thread."""
-
-    @property
-    def room(self) -> float:
-        """What they may take now (cores)."""
-        ...
-
-    def note_lateness(self, late_us: int, now_us: int) -> None:
-        """Take by how much the event loop was late just now (µs)."""
-        ...
-
-    def spend(self, began_us: int, cpu_us: int) -> None:
-        """Take what a picture cost (µs of a processor) that was begun then (monotonic)."""
-        ...
-
-    def rest_us(self, now_us: int) -> int:
-        """Give how long no picture may begin from now on (µs)."""
         ...
 
 
@@ -383,7 +362,7 @@ class AdapterContext(NamedTuple):
     raw: RawSink | None = None
     taps: TapSink | None = None
     kept_log: LogSink | None = None
-    budget: PictureBudget | None = None
+    budget: SharedBudget | None = None
 
 
 class FileSink(Protocol):

@@ -9,7 +9,8 @@ from typing import Any
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
-from talaia.gateway.video.worker import PictureWorker, SharedBudget
+from talaia.gateway.cores.shared_budget import SharedBudget
+from talaia.gateway.video.worker import PictureWorker
 
 
 class Slow:

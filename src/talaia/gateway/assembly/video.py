@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
+from talaia.gateway.cores.shared_budget import SharedBudget
 from talaia.gateway.fits.frame_writer import FitsFrameWriter
 from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import WholeFiles
 from talaia.gateway.uplink.pictures import PictureUplink
 from talaia.gateway.video.blur_detectors import BlurDetectors
 from talaia.gateway.video.frame_source import FrameSource
-from talaia.gateway.video.worker import SharedBudget
 from talaia.objects.worker import Worker
 
 if TYPE_CHECKING:

@@ -34,9 +34,9 @@ class LoopLateness:
         if not self._is_due:
             self._is_due = True
             due_s = self._loop.time() + _AFTER_S
-            self._loop.call_at(due_s, self._look, due_s)
+            self._loop.call_at(due_s, self._measure_lateness, due_s)
 
-    def _look(self, due_s: float) -> None:
+    def _measure_lateness(self, due_s: float) -> None:
         self._is_due = False
         late_us = round((self._loop.time() - due_s) * 1e6)
         self._tell(late_us, self._clock.monotonic_ns() // 1000)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.gateway.ports import PictureBudget
+    from talaia.gateway.cores.shared_budget import SharedBudget
     from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.taps.outbox import TapOutbox
     from talaia.gateway.video.blur_detectors import BlurDetectors
@@ -67,7 +67,7 @@ class PictureUplink:
         films: FilmRecorder | None = None,
         taps: TapOutbox | None = None,
         detectors: BlurDetectors | None = None,
-        budget: PictureBudget | None = None,
+        budget: SharedBudget | None = None,
     ) -> None:
         """Take the loop that sends, where those at the gateway look, who films, and raw topics.
 

@@ -278,7 +278,7 @@ class PictureStream:
         if not reel.can_share(picture, whole=whole, anew=filming is Filming.ANEW):
             pixels = taken.read_pixels()
             width, height, bits = film_size(
-                self._stream, pixels, PictureForm.H264, self._stream.max_rate, self._divisor
+                self._stream, pixels, PictureForm.H264, self._stream.max_rate, divisor=self._divisor
             )
             picture = reel.encode_own(
                 self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)

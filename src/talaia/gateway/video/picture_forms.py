@@ -187,7 +187,7 @@ class PictureForms:
     ) -> PictureFrame | None:
         pixels = taken.read_pixels()
         rate = 1e6 / rung.period_us
-        width, height, bits = film_size(self._stream, pixels, form, rate, divisor)
+        width, height, bits = film_size(self._stream, pixels, form, rate, divisor=divisor)
         encoder, slower, every_s = rung.encoder, _slowdown_factor(share), KEY_EVERY_S[form]
         asked = asked or (share < 1 and rung.is_key_old(stamp.mono_us, every_s))
         key = rung.key_now(stamp.mono_us, asked=asked)
@@ -231,7 +231,7 @@ class PictureForms:
 
 
 def film_size(
-    stream: Stream, pixels: Pixels, form: PictureForm, rate: float, divisor: int = 1
+    stream: Stream, pixels: Pixels, form: PictureForm, rate: float, *, divisor: int = 1
 ) -> tuple[int, int, int]:
     """Give width and height (px) and bit rate (bit/s) of a film of these pictures.
 

@@ -5,48 +5,19 @@ They take no more of the cores than `CoreBudget` gives, and take turns by what e
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from typing import TYPE_CHECKING
 
-from talaia.gateway.video.core_budget import CoreBudget, PictureSize, Turns
+from talaia.gateway.cores.core_budget import PictureSize, Turns
+from talaia.gateway.cores.shared_budget import SharedBudget
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.gateway.ports import PictureBudget, PictureSink
+    from talaia.gateway.ports import PictureSink
     from talaia.gateway.video.camera import PictureStream
 
-__all__ = ["PictureWorker", "SharedBudget"]
-
-
-class SharedBudget:
-    """A `PictureBudget`: the `CoreBudget` of all encoding threads of a gateway."""
-
-    def __init__(self, cores: float = 0) -> None:
-        """Begin with what this process may use, or with so many ``cores``."""
-        self._budget = CoreBudget(cores or len(os.sched_getaffinity(0)))
-        self._lock = threading.Lock()
-
-    @property
-    def room(self) -> float:
-        """See `PictureBudget.room`."""
-        return self._budget.room
-
-    def note_lateness(self, late_us: int, now_us: int) -> None:
-        """See `PictureBudget.note_lateness`."""
-        with self._lock:
-            self._budget.note_lateness(late_us, now_us)
-
-    def spend(self, began_us: int, cpu_us: int) -> None:
-        """See `PictureBudget.spend`."""
-        with self._lock:
-            self._budget.spend(began_us, cpu_us)
-
-    def rest_us(self, now_us: int) -> int:
-        """See `PictureBudget.rest_us`."""
-        with self._lock:
-            return self._budget.rest_us(now_us)
+__all__ = ["PictureWorker"]
 
 
 class _Waiting:
@@ -67,9 +38,7 @@ class PictureWorker:
     copies) is done without that lock.
     """
 
-    def __init__(
-        self, sink: PictureSink, clock: Clock, budget: PictureBudget | None = None
-    ) -> None:
+    def __init__(self, sink: PictureSink, clock: Clock, budget: SharedBudget | None = None) -> None:
         """Take where pictures go, and what all threads together may take; `start` begins."""
         self._sink = sink
         self._clock = clock
@@ -136,7 +105,7 @@ class PictureWorker:
                     return
                 next_one = self._waiting.pop(self._turns.choose(self._waiting))
             # Without the lock, so that pictures are taken while one is encoded.
-            self._process(next_one)
+            self._make_pictures(next_one)
 
     def _rest_s(self) -> float | None:
         """Give how long to wait at the most (s): None until a picture comes, 0 not at all."""
@@ -144,7 +113,7 @@ class PictureWorker:
             return None
         return self._budget.rest_us(self._clock.monotonic_ns() // 1000) / 1e6
 
-    def _process(self, waiting: _Waiting) -> None:
+    def _make_pictures(self, waiting: _Waiting) -> None:
         stream, before_ns = waiting.stream, time.thread_time_ns()
         began_us = self._clock.monotonic_ns() // 1000
         size = self._sizes.setdefault(stream.address, PictureSize())
@@ -153,9 +122,9 @@ class PictureWorker:
         )
         # Of this thread alone: what a detector takes beside it has a limit of its own.
         cpu_us = (time.thread_time_ns() - before_ns) // 1000
-        self._budget.spend(began_us, cpu_us)
+        room = self._budget.spend(began_us, cpu_us)
         self._turns.spend(stream.address, cpu_us)
-        size.note_picture(began_us, cpu_us, lost=waiting.lost, room=self._budget.room)
+        size.note_picture(began_us, cpu_us, lost=waiting.lost, room=room)
 
     def close(self) -> None:
         """End the thread, and those of streams that have one of their own."""

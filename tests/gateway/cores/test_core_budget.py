@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.gateway.video.core_budget import (
+from talaia.gateway.cores.core_budget import (
     GOOD_HZ,
     LARGEST_DIVISOR,
     LEAST_ROOM,
