@@ -15,8 +15,11 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import NamedTuple
 
+import clients
+import link
 import numpy as np
 import psutil
+import stack
 import websockets
 from stack import Stack, context, free_port
 
@@ -24,14 +27,18 @@ from talaia.wire import browser
 
 # What a slow line holds besides what is under way (bytes): a home router's share.
 BUFFER = 16 * 1024
+# What else goes on beside many cameras or large ones: signals at 20 Hz, and for how long (s).
+SIGNALS, SECONDS = 20, 20.0
 
 
 class Got(NamedTuple):
-    """A picture that came whole: how old it was then, and its weight in bytes."""
+    """A picture that came whole: how old it was then, its weight in bytes, and its size (px)."""
 
     age_ms: float
     size: int
     small: bool
+    width: int
+    height: int
 
 
 def memory_mib(pid: int) -> float:
@@ -40,13 +47,15 @@ def memory_mib(pid: int) -> float:
 
 
 @contextlib.asynccontextmanager
-async def looking(here: Stack, session: str, port: int = 0) -> AsyncIterator[list[Got]]:
-    """Look at the camera as a page does that plays films; fills the list."""
+async def looking(
+    here: Stack, session: str, port: int = 0, name: str = "front"
+) -> AsyncIterator[list[Got]]:
+    """Look at a camera as a page does that plays films; fills the list."""
     got: list[Got] = []
     trust: ssl.SSLContext = context(here)
 
     async def look() -> None:
-        path = "/ws/media?site=bench&stream=base/front&forms=h264,jpeg"
+        path = f"/ws/media?site=bench&stream=base/{name}&forms=h264,jpeg"
         async with websockets.connect(
             f"wss://localhost:{here.port}{path}", ssl=trust, compression=None,
             ping_interval=None, max_size=16 * 1024 * 1024, proxy=None,
@@ -58,7 +67,7 @@ async def looking(here: Stack, session: str, port: int = 0) -> AsyncIterator[lis
                 if isinstance(shot, browser.CameraPicture):
                     # One machine has one monotonic clock.
                     age_ms = time.monotonic_ns() / 1e6 - shot.hub_us / 1e3
-                    got.append(Got(age_ms, len(data), shot.small))
+                    got.append(Got(age_ms, len(data), shot.small, shot.width, shot.height))
                     shown = browser.PictureShown(seq=shot.seq)
                     await connection.send(browser.MEDIA_FROM_BROWSER.encode(shown))
 
@@ -110,6 +119,76 @@ async def throttled(port: int, bits: float) -> AsyncIterator[int]:
         yield server.sockets[0].getsockname()[1]
     finally:
         server.close()
+
+
+class Load(NamedTuple):
+    """What some cameras cost, and what came of them.
+
+    Attributes:
+        gateway: % of a core that the gateway takes.
+        hub: the same of the hub.
+        rates: pictures a second of each camera that came to its viewer; none where nobody looks.
+        size: width and height of the last picture (px).
+        ages_ms: of all pictures when they had come.
+        mbits: all that came (Mbit/s).
+        drives_ms: from a page's socket to ``cmd_vel``, meanwhile.
+        samples_ms: from ROS to a page's socket, meanwhile.
+
+    """
+
+    gateway: float
+    hub: float
+    rates: list[float]
+    size: tuple[int, int]
+    ages_ms: np.ndarray
+    mbits: float
+    drives_ms: np.ndarray
+    samples_ms: np.ndarray
+
+
+async def load_of(
+    count: int, size: str = "640x480", *, compressed: bool = False, watched: bool = True
+) -> Load:
+    """Let so many cameras of a size send at 30 Hz while somebody drives and looks at samples.
+
+    With a ``count`` of 0 there is none: what the rest costs.
+    """
+    async with stack.running(SIGNALS, cameras=max(1, count), compressed=compressed) as here:
+        target = here.folder / "driven.txt"
+        words = ["--films", str(count), "--size", size, *(["--compressed"] if compressed else [])]
+        async with (
+            # Of another process: what writes pictures is not to hold up who listens.
+            stack.publisher(here, SIGNALS, 20.0, "--listen", str(target)),
+            stack.publisher(here, 0, 1, *words),
+        ):
+            session = await clients.cookie(here)
+            async with contextlib.AsyncExitStack() as open_now:
+                seen = [
+                    await open_now.enter_async_context(looking(here, session, name=f"camera{each}"))
+                    for each in range(count if watched else 0)
+                ]
+                # Films begin with their dearest picture, and a pace has to be found.
+                await asyncio.sleep(8)
+                for got in seen:
+                    got.clear()
+                began = time.monotonic()
+                *used, drives, samples = await asyncio.gather(
+                    *(stack.cpu_percent(part, SECONDS) for part in here.parts),
+                    link.driven(here, session, target, 300),
+                    clients.listen(here, session, SIGNALS, 0, SECONDS),
+                )
+                lasted = time.monotonic() - began
+    every = [one for got in seen for one in got]
+    return Load(
+        gateway=used[0],
+        hub=used[1],
+        rates=[len(got) / lasted for got in seen],
+        size=(every[-1].width, every[-1].height) if every else (0, 0),
+        ages_ms=np.array([one.age_ms for one in every]),
+        mbits=sum(one.size for one in every) * 8 / lasted / 1e6,
+        drives_ms=drives,
+        samples_ms=samples,
+    )
 
 
 async def foxglove(bits: float, seconds: float) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from geometry_msgs.msg import Twist
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
-from sensor_msgs.msg import Image, PointCloud2
+from sensor_msgs.msg import CompressedImage, Image, PointCloud2
 from std_msgs.msg import Float64
 
 import talaia.sim
@@ -38,6 +38,9 @@ def main() -> int:
     parser.add_argument("--camera", action="store_true")
     parser.add_argument("--cameras", type=int, default=0, help="numbered ones, 10 pictures/s each")
     parser.add_argument("--film", type=int, default=0, help="a moving scene at 30 Hz; its noise")
+    parser.add_argument("--films", type=int, default=0, help="so many such cameras, numbered")
+    parser.add_argument("--size", default="640x480", help="of the films of --films")
+    parser.add_argument("--compressed", action="store_true", help="--films as JPEG")
     parser.add_argument("--clouds", type=float, default=0, help="1 MB each, so many a second")
     parser.add_argument("--waves", action="store_true", help="values that swing, as a sensor's")
     parser.add_argument("--listen", type=Path)
@@ -57,6 +60,8 @@ def main() -> int:
         listen(node, options.listen)
     if options.clouds:
         publish_clouds(node, options.clouds)
+    if options.films:
+        publish_films(node, options.films, options.size, compressed=options.compressed)
     print("ready", flush=True)
     message = Float64()
     picture = Image(width=640, height=480, encoding="rgb8", step=1920)
@@ -93,24 +98,64 @@ def main() -> int:
     return 0
 
 
-def film_of(noise: int = 4) -> list[Image]:
+def film_of(noise: int = 4, width: int = 640, height: int = 480, pictures: int = 60) -> list[Image]:
     """Pan to and fro over a photograph, with a camera's noise (of 255): two seconds of 640x480."""
     from PIL import Image as Pictures
 
     source = Path(talaia.sim.__file__).parent / "vehicle" / "pictures" / "coffee.jpg"
     with Pictures.open(source) as opened:
-        wide = np.asarray(opened.convert("RGB").resize((960, 640)), np.int16)
+        whole = opened.convert("RGB").resize((width * 3 // 2, height * 4 // 3))
+    wide = np.asarray(whole, np.int16)
     chance = np.random.default_rng(1)
     film = []
-    for each in range(60):
-        left, top = (round(80 * (1 + np.sin(turn * np.pi * each / 30))) for turn in (1, 2))
-        view = wide[top : top + 480, left : left + 640] + chance.integers(
-            -noise, noise + 1, (480, 640, 3)
+    for each in range(pictures):
+        pans = (np.sin(turn * 2 * np.pi * each / pictures) for turn in (1, 2))
+        left, top = (round(height / 6 * (1 + pan)) for pan in pans)
+        view = wide[top : top + height, left : left + width] + chance.integers(
+            -noise, noise + 1, (height, width, 3), np.int16
         )
-        message = Image(width=640, height=480, encoding="rgb8", step=1920)
+        message = Image(width=width, height=height, encoding="rgb8", step=3 * width)
         message.data = array.array("B", np.clip(view, 0, 255).astype(np.uint8).tobytes())
         film.append(message)
     return film
+
+
+def publish_films(node: rclpy.node.Node, count: int, size: str, *, compressed: bool) -> None:
+    """Publish such a film for each of some cameras, 30 pictures a second of each, evenly spread."""
+    width, height = map(int, size.split("x"))
+    # Half a second of the largest: what is kept is to fit into memory.
+    film: list[Image | CompressedImage] = [*film_of(4, width, height, 60 if height < 1000 else 16)]
+    if compressed:
+        film = [jpeg_of(each) for each in film]
+    kind = CompressedImage if compressed else Image
+    publishers = [
+        node.create_publisher(kind, f"/bench/image{each}", QoSProfile(depth=1))
+        for each in range(count)
+    ]
+
+    def publish() -> None:
+        due = time.monotonic()
+        for turn in range(10**9):
+            due += 1 / 30 / count
+            wait = due - time.monotonic()
+            if wait > 0:
+                time.sleep(wait)
+            elif wait < -1:
+                # As a camera whose computer is too slow: what is late is left out.
+                due = time.monotonic()
+            publishers[turn % count].publish(film[turn // count % len(film)])
+
+    threading.Thread(target=publish, daemon=True).start()
+
+
+def jpeg_of(picture: Image) -> CompressedImage:
+    """Give a picture as a camera does that compresses."""
+    import simplejpeg
+
+    pixels = np.frombuffer(picture.data, np.uint8).reshape(picture.height, picture.width, 3)
+    message = CompressedImage(format="jpeg")
+    message.data = array.array("B", simplejpeg.encode_jpeg(pixels, 80, "RGB", "420"))
+    return message
 
 
 def publish_clouds(node: rclpy.node.Node, rate: float) -> None:

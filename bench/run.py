@@ -5,6 +5,7 @@
                                  demo, history, history-page, history-export, history-servers,
                                  signin, press, many, spool, storm,
                                  join, load-description, camera, camera-slow, camera-crowd,
+                                 camera-large, camera-eight,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
                                  board, scene, scene-cloud, fleet, past, viewers
 
@@ -347,13 +348,18 @@ async def camera() -> list[Figure]:
             name = "H.264" if film else "JPEG"
             figures += [
                 Figure(f"{name}: gateway → canvas, p50 of {ages.size}",
-                       float(np.percentile(ages, 50)), 20, "ms"),
-                Figure(f"{name}: gateway → canvas, p95", float(np.percentile(ages, 95)), 35, "ms"),
+                       float(np.percentile(ages, 50)), 6, "ms"),
+                Figure(f"{name}: gateway → canvas, p95", float(np.percentile(ages, 95)), 12, "ms"),
             ]  # fmt: skip
-        async with cameras.looking(here, session) as got:
-            await asyncio.sleep(4)
-            got.clear()
-            used = await stack.cpu_percent(here.gateway, 12)
+        unseen, used = [], []
+        for _ in range(3):  # in turn, since the machine's speed drifts
+            await asyncio.sleep(4)  # a camera goes on for a moment after the last page
+            unseen.append(await stack.cpu_percent(here.gateway, 8))
+            async with cameras.looking(here, session) as got:
+                await asyncio.sleep(4)
+                got.clear()
+                used.append(await stack.cpu_percent(here.gateway, 12))
+        beyond = float(np.median(np.array(used) - np.array(unseen)))
         mbits = sum(each.size for each in got) * 8 / 12 / 1e6
         small = 100 * sum(each.small for each in got) / len(got)
         figures += [
@@ -361,7 +367,10 @@ async def camera() -> list[Figure]:
             Figure("the film takes", mbits, 2.0, "Mbit/s"),
             Figure(f"of 30 pictures a second do not come ({len(got)} came)",
                    max(0.0, 30 - len(got) / 12), 1.5, "Hz"),
-            Figure("CPU of the gateway for it", used, 20.0, "% of a core"),
+            Figure("CPU of the gateway for it, beyond nobody looking", beyond, 12.0,
+                   "% of a core"),
+            Figure("CPU of the gateway, all of it", float(np.median(used)), math.inf,
+                   "% of a core"),
         ]  # fmt: skip
     return figures
 
@@ -423,6 +432,47 @@ async def camera_crowd() -> list[Figure]:
         Figure("CPU of the gateway, twenty viewers beside one", used[1] / used[0], 1.15, "times"),
         Figure("pictures that the worst of twenty missed", max(0, 300 - least) / 3, 10, "%"),
     ]
+
+
+async def camera_large() -> list[Figure]:
+    """1080p and 4K at 30 Hz, raw and as the camera's own JPEG: what comes, and driving beside."""
+    figures = load_figures("no camera", await cameras.load_of(0))
+    for size, name in (("1920x1080", "1080p"), ("3840x2160", "4K")):
+        for compressed in (False, True):
+            found = await cameras.load_of(1, size, compressed=compressed)
+            figures += load_figures(f"{name}, {'JPEG' if compressed else 'raw'}", found)
+    return figures
+
+
+async def camera_eight() -> list[Figure]:
+    """Eight cameras of 640×480 at 30 Hz: looked at by nobody, then all of them at once."""
+    return [
+        *load_figures("eight, nobody looks", await cameras.load_of(8, watched=False)),
+        *load_figures("eight, all looked at", await cameras.load_of(8)),
+    ]
+
+
+def load_figures(what: str, found: cameras.Load) -> list[Figure]:
+    """Give what cameras cost and what came of them; driving and samples have limits."""
+    figures = [
+        Figure(f"{what}: CPU of the gateway", found.gateway, math.inf, "% of a core"),
+        Figure(f"{what}: CPU of the hub", found.hub, math.inf, "% of a core"),
+        *percentiles(f"{what}: page's socket → cmd_vel", found.drives_ms, 8, 20),
+        Figure(f"{what}: driving frames that did not arrive", 100 - found.drives_ms.size / 3, 5,
+               "%"),
+        *percentiles(f"{what}: ROS → page's socket", found.samples_ms, 20, 60),
+    ]  # fmt: skip
+    if not found.rates:
+        return figures
+    return [
+        *figures,
+        Figure(f"{what}: pictures of {found.size[0]}×{found.size[1]}, all cameras",
+               -sum(found.rates), math.inf, "Hz (-)"),
+        Figure(f"{what}: the best served camera beside the worst",
+               max(found.rates) / max(0.1, min(found.rates)), 1.25, "times"),
+        *percentiles(f"{what}: a picture's age at the viewer", found.ages_ms, 150, 500),
+        Figure(f"{what}: what came", found.mbits, math.inf, "Mbit/s"),
+    ]  # fmt: skip
 
 
 async def see() -> list[Figure]:
@@ -686,7 +736,8 @@ PARTS = {
     "history-large": history_large, "history-page": history_page, "signin": signin_,
     "history-export": history_export, "history-servers": history_servers,
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
-    "camera-crowd": camera_crowd, "objects": see, "objects-drive": see_and_drive, "press": press,
+    "camera-crowd": camera_crowd, "camera-large": camera_large,
+    "camera-eight": camera_eight, "objects": see, "objects-drive": see_and_drive, "press": press,
     "many": many, "spool": spool, "storm": storm, "join": join, "viewers": viewers_, "taps": taps_,
     "taps-cloud": taps_cloud, "taps-drive": taps_drive,
 }  # fmt: skip

@@ -51,12 +51,14 @@ def site_text(
     *,
     camera: bool = False,
     cameras: int = 0,
+    compressed: bool = False,
     detect: str = "",
     tapped: bool = False,
 ) -> str:
     """Write the description of the publisher's site.
 
-    ``detect`` is what its camera is to see; with ``tapped`` its topics may be had raw.
+    ``detect`` is what its camera is to see; with ``tapped`` its topics may be had raw; the numbered
+    ``cameras`` are ``compressed`` ones or not.
     """
     signals = "\n".join(
         f"      s{each}: {{name: Signal {each}, source: {{topic: /bench/s{each},"
@@ -73,7 +75,7 @@ def site_text(
     if cameras:
         listed = ", ".join(
             f"camera{each}: {{name: Camera {each}, source: {{topic: /bench/image{each},"
-            " type: sensor_msgs/msg/Image}}"
+            f" type: sensor_msgs/msg/{'CompressedImage' if compressed else 'Image'}}}}}"
             for each in range(cameras)
         )
         stream = f"    streams: {{{listed}}}\n"
@@ -99,6 +101,7 @@ async def running(
     *,
     camera: bool = False,
     cameras: int = 0,
+    compressed: bool = False,
     detect: str = "",
     tapped: bool = False,
     before: Callable[[Settings], Awaitable[None]] | None = None,
@@ -113,7 +116,14 @@ async def running(
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
         (folder / "site.yaml").write_text(
-            site_text(topics, camera=camera, cameras=cameras, detect=detect, tapped=tapped)
+            site_text(
+                topics,
+                camera=camera,
+                cameras=cameras,
+                compressed=compressed,
+                detect=detect,
+                tapped=tapped,
+            )
         )
         if before is not None:
             await before(settings)

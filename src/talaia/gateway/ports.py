@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
+    from talaia.gateway.cores.shared_budget import SharedBudget
     from talaia.gateway.tap_ports import TapSink
     from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.detection import Blur
@@ -344,6 +345,7 @@ class AdapterContext(NamedTuple):
         raw: takes messages as they came, to record them; none where nothing is recorded.
         taps: takes messages as they came for the hub; none where nobody hands them on.
         kept_log: takes lines of the robot's log; none where nobody keeps them.
+        budget: what all pictures together may take of the cores; none gives each adapter its own.
 
     """
 
@@ -360,6 +362,7 @@ class AdapterContext(NamedTuple):
     raw: RawSink | None = None
     taps: TapSink | None = None
     kept_log: LogSink | None = None
+    budget: SharedBudget | None = None
 
 
 class FileSink(Protocol):

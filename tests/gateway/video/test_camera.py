@@ -272,6 +272,42 @@ def test_a_camera_that_changes_its_size_goes_on() -> None:
     ]  # fmt: skip
 
 
+def test_planes_of_any_even_height_keep_all_their_lines() -> None:
+    hall, (taker, _) = Hall(PictureForm.H264), stream()
+    sent = packed(scene(64, 54), "nv12")
+    taker.process_picture(sent, 0, 0, hall)
+    expected = rgb_of(pixels_of(sent))
+    assert psnr(played(hall.got)[-1], expected) > 28
+
+
+def test_what_the_cores_do_not_bear_is_smaller_in_each_large_form() -> None:
+    hall, (taker, _) = Hall(PictureForm.H264, PictureForm.JPEG), stream()
+    hall.wish = Filming.ON
+    for at, divisor in enumerate([1, 2, 2, 4, 1]):
+        taker.process_picture(
+            packed(scene(320, 240), "rgb8"), at, at * STEP_US, hall, divisor=divisor
+        )
+    sizes = [(320, 240), (160, 120), (160, 120), (80, 60), (320, 240)]
+    for kept in ([each for each in hall.got if each.format == form] for form in ("h264", "jpeg")):
+        assert [(each.width, each.height) for each in kept] == sizes
+    assert [(each.width, each.height) for each in hall.filmed] == sizes
+    # The film begins anew with each size.
+    assert [each.key for each in hall.filmed] == [True, True, False, True, True]
+
+
+def test_a_picture_that_is_a_view_is_read_as_one_of_bytes() -> None:
+    decode = decoder_for("sensor_msgs/msg/Image", unread)
+    large = scene(160, 120)
+    head = cdr("Image")[:20]
+    whole = (
+        head + (120).to_bytes(4, "little") + (160).to_bytes(4, "little")
+        + (5).to_bytes(4, "little") + b"rgb8\0" + b"\0" + bytes(2)
+        + (480).to_bytes(4, "little") + (57_600).to_bytes(4, "little") + large.tobytes()
+    )  # fmt: skip
+    for read in (decode(whole), decode(memoryview(whole))):  # type: ignore[arg-type]
+        assert np.array_equal(rgb_of(pixels_of(read)), large)
+
+
 def test_the_rate_of_the_description_is_kept() -> None:
     taker, _ = stream(max_rate=10)
     taken = sum(taker.is_due(at * 1_000_000) for at in range(0, 2000, 33))

@@ -82,6 +82,7 @@ class AdaptersPart(GatewayPart):
             files=video.whole_files,
             site=description.site.name,
             kept_log=robot_log.reporter,
+            budget=video.budget,
         )
         scopes = scopes_of(description.site, description.numbering)
         # Each with its status: `ConnectionExchange` exchanges both together.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
+from talaia.gateway.cores.shared_budget import SharedBudget
 from talaia.gateway.fits.frame_writer import FitsFrameWriter
 from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import WholeFiles
@@ -28,6 +29,7 @@ class VideoPart(GatewayPart):
     Attributes:
         frames: gives pixels to whoever looks at cameras here, such as a detector.
         pictures: encoded, to the hub and to films.
+        budget: what all pictures together may take of the cores.
         films: takes encoded pictures of cameras; none where nothing is filmed.
         blur_detectors: find what is blurred before a picture leaves.
         outbox: whole FITS files that wait for the hub's archive.
@@ -57,6 +59,7 @@ class VideoPart(GatewayPart):
             )
         )
         self.films = recording.films
+        self.budget = SharedBudget()
         self.pictures = PictureUplink(
             base.loop,
             base.clock,
@@ -64,6 +67,7 @@ class VideoPart(GatewayPart):
             films=self.films,
             taps=taps.outbox,
             detectors=self.blur_detectors,
+            budget=self.budget,
         )
         # What an earlier run could not send is taken up again.
         self.outbox = ArchiveOutbox(

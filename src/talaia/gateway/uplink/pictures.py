@@ -3,6 +3,8 @@
 Of pictures that need none before them only the newest waits. Those of a film may not be left out,
 so that none is made while the link is full; should some wait all the same, they all go and the
 next is one that needs none before it. Raw topics go on the same connection, behind all pictures.
+
+Long, because what is wanted, what waits and what the link bears is one account.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.ports import Filming
 from talaia.gateway.taps.outbox import TAP_RECEIPTS
 from talaia.gateway.uplink.link_capacity import LinkCapacity
+from talaia.gateway.uplink.loop_lateness import LoopLateness
 from talaia.objects.errors import DetectorError
 from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
+    from talaia.gateway.cores.shared_budget import SharedBudget
     from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.taps.outbox import TapOutbox
     from talaia.gateway.video.blur_detectors import BlurDetectors
@@ -63,11 +67,15 @@ class PictureUplink:
         films: FilmRecorder | None = None,
         taps: TapOutbox | None = None,
         detectors: BlurDetectors | None = None,
+        budget: SharedBudget | None = None,
     ) -> None:
         """Take the loop that sends, where those at the gateway look, who films, and raw topics.
 
-        ``detectors`` find what is to be blurred; without them no such picture leaves.
+        ``detectors`` find what is to be blurred; without them no such picture leaves. ``budget`` is
+        told by how much the loop is late while pictures are made.
         """
+        # None where nobody wants to know.
+        self._lateness = None if budget is None else LoopLateness(loop, clock, budget.note_lateness)
         self._detectors = detectors
         self._films = films  # None where nothing can be filmed.
         self._loop = loop  # Only this loop touches what waits.
@@ -209,6 +217,8 @@ class PictureUplink:
             self._wake.set()
 
     def _enqueue_picture(self, picture: PictureFrame) -> None:
+        if self._lateness is not None:
+            self._lateness.note_picture()
         if not self._linked:
             return
         key = (picture.stream, picture.forms[0] if picture.forms else "")

@@ -146,6 +146,7 @@ class PictureStream:
         self._period_ns = round(1e9 / stream.max_rate)
         self._due_ns = 0  # When the next may be (monotonic ns).
         self._seq = 0  # Numbers the pictures of this camera in this run.
+        self._divisor = 1  # Of the picture that is being made; see `process_picture`.
         self._forms = PictureForms(address, stream)
         # None where pictures leave as they are; else what they leave as, and as what they stay.
         self._blur = None if stream.blur is None else CameraBlur(stream.blur)
@@ -162,8 +163,14 @@ class PictureStream:
         self._due_ns = (self._due_ns if late < self._period_ns else mono_ns) + self._period_ns
         return True
 
-    def process_picture(self, raw: object, time_us: int, mono_us: int, sink: PictureSink) -> None:
-        """Make of one raw picture what is wanted of it, and give that to ``sink``."""
+    def process_picture(
+        self, raw: object, time_us: int, mono_us: int, sink: PictureSink, *, divisor: int = 1
+    ) -> None:
+        """Make of one raw picture what is wanted of it, and give that to ``sink``.
+
+        Width and height are divided by ``divisor``, where the cores do not bear all of it.
+        """
+        self._divisor = divisor
         self._seq += 1
         stamp = FrameStamp(self._seq, time_us, mono_us)
         taken = CapturedFrame(lambda: self._decode(raw), self._encoding)
@@ -234,7 +241,13 @@ class PictureStream:
         large: PictureFrame | None = None
         for form, served in forms.items():
             picture = made.make_picture(
-                taken=taken, stamp=stamp, form=form, served=served, share=share, sink=sink
+                taken=taken,
+                stamp=stamp,
+                form=form,
+                served=served,
+                share=share,
+                sink=sink,
+                divisor=self._divisor,
             )
             if picture is not None:
                 if made is self._forms:
@@ -265,7 +278,7 @@ class PictureStream:
         if not reel.can_share(picture, whole=whole, anew=filming is Filming.ANEW):
             pixels = taken.read_pixels()
             width, height, bits = film_size(
-                self._stream, pixels, PictureForm.H264, self._stream.max_rate
+                self._stream, pixels, PictureForm.H264, self._stream.max_rate, divisor=self._divisor
             )
             picture = reel.encode_own(
                 self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)

@@ -119,8 +119,9 @@ class PictureForms:
         served: list[str],
         share: float,
         sink: PictureSink,
+        divisor: int = 1,
     ) -> PictureFrame | None:
-        """Give a picture in one form, or none now."""
+        """Give a picture in one form, or none now; large ones are made smaller by ``divisor``."""
         rung = self._rungs.get(form)
         if rung is None:
             rung = self._rungs[form] = _Rung(_form_rate(form, self._stream.max_rate))
@@ -140,8 +141,9 @@ class PictureForms:
                 share=share,
                 rung=rung,
                 asked=asked,
+                divisor=divisor,
             )
-        data, width, height = self._make_jpeg(taken, form, share)
+        data, width, height = self._make_jpeg(taken, form, share, divisor)
         return PictureFrame(
             stream=self._address,
             **stamp._asdict(),
@@ -152,7 +154,7 @@ class PictureForms:
         )
 
     def _make_jpeg(
-        self, taken: CapturedFrame, form: PictureForm, share: float
+        self, taken: CapturedFrame, form: PictureForm, share: float, divisor: int
     ) -> tuple[bytes, int, int]:
         stream = self._stream
         small = form is PictureForm.JPEG_SMALL
@@ -161,9 +163,11 @@ class PictureForms:
         wide = stream.width and own is not None and own[1] > stream.width
         if own is not None and not small and not wide and share >= 1:
             return own
-        pixels = thin_pixels(
-            taken.read_pixels(), min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
-        )
+        pixels = taken.read_pixels()
+        most = min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
+        if divisor > 1 and not small:
+            most = min(most or pixels.width, -(-pixels.width // divisor))
+        pixels = thin_pixels(pixels, most)
         quality = SMALL_QUALITY if small else stream.quality
         # Bytes go roughly with the square of the quality.
         quality = max(_LEAST_QUALITY, round(quality * share**0.5))
@@ -179,10 +183,11 @@ class PictureForms:
         share: float,
         rung: _Rung,
         asked: bool,
+        divisor: int,
     ) -> PictureFrame | None:
         pixels = taken.read_pixels()
         rate = 1e6 / rung.period_us
-        width, height, bits = film_size(self._stream, pixels, form, rate)
+        width, height, bits = film_size(self._stream, pixels, form, rate, divisor=divisor)
         encoder, slower, every_s = rung.encoder, _slowdown_factor(share), KEY_EVERY_S[form]
         asked = asked or (share < 1 and rung.is_key_old(stamp.mono_us, every_s))
         key = rung.key_now(stamp.mono_us, asked=asked)
@@ -226,15 +231,18 @@ class PictureForms:
 
 
 def film_size(
-    stream: Stream, pixels: Pixels, form: PictureForm, rate: float
+    stream: Stream, pixels: Pixels, form: PictureForm, rate: float, *, divisor: int = 1
 ) -> tuple[int, int, int]:
-    """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
+    """Give width and height (px) and bit rate (bit/s) of a film of these pictures.
+
+    It is made smaller by ``divisor`` at the least, where the cores do not bear all of it.
+    """
     from talaia.gateway.video.h264 import bits_for
 
     most = stream.width or pixels.width
     if form is PictureForm.H264_SMALL:
         most = min(most, SMALL_PX)
-    by = max(1, -(-pixels.width // most))
+    by = max(divisor, -(-pixels.width // most))
     # H.264 4:2:0 wants even sizes; 16 px is the least block.
     width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
     bits = stream.kbits * 1000 or bits_for(width, height, rate)

@@ -1,9 +1,16 @@
-"""The thread that encodes pictures; of those that wait, the newest of each camera wins."""
+"""The thread that makes pictures; of those that wait, the newest of each camera wins.
+
+They take no more of the cores than `CoreBudget` gives, and take turns by what each has cost.
+"""
 
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING
+
+from talaia.gateway.cores.core_budget import PictureSize, Turns
+from talaia.gateway.cores.shared_budget import SharedBudget
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -11,6 +18,16 @@ if TYPE_CHECKING:
     from talaia.gateway.video.camera import PictureStream
 
 __all__ = ["PictureWorker"]
+
+
+class _Waiting:
+    """The newest picture of a stream that waits."""
+
+    def __init__(self, stream: PictureStream) -> None:
+        self.stream = stream
+        self.raw: object = None
+        self.time_us = self.mono_us = 0  # When it came, wall and monotonic (µs).
+        self.lost = -1  # Older ones whose place it took.
 
 
 class PictureWorker:
@@ -21,12 +38,16 @@ class PictureWorker:
     copies) is done without that lock.
     """
 
-    def __init__(self, sink: PictureSink, clock: Clock) -> None:
-        """Take where pictures go; `start` begins."""
+    def __init__(self, sink: PictureSink, clock: Clock, budget: SharedBudget | None = None) -> None:
+        """Take where pictures go, and what all threads together may take; `start` begins."""
         self._sink = sink
         self._clock = clock
-        # By stream: its newest raw picture with wall and monotonic time (µs); under `_turn`.
-        self._waiting: dict[str, tuple[PictureStream, object, int, int]] = {}
+        self._budget = SharedBudget() if budget is None else budget
+        # By stream: its newest raw picture; under `_turn`.
+        self._waiting: dict[str, _Waiting] = {}
+        # Whose turn it is, and how large pictures are made; of the thread alone.
+        self._turns = Turns()
+        self._sizes: dict[str, PictureSize] = {}
         # By stream: the thread of one that waits for a detector; under `_turn`. It would hold up
         # all others here.
         self._apart: dict[str, PictureWorker] = {}
@@ -54,16 +75,22 @@ class PictureWorker:
     def queue_raw(self, stream: PictureStream, raw: object, mono_us: int) -> None:
         """Take a picture that is due, in place of the one of its stream that waits."""
         with self._turn:
-            # Out and in again: it goes to the end of the row, so a fast camera holds up no other.
-            self._waiting.pop(stream.address, None)
-            self._waiting[stream.address] = (stream, raw, self._clock.wall_ns() // 1000, mono_us)
+            waiting = self._waiting.get(stream.address)
+            if waiting is None:
+                waiting = self._waiting[stream.address] = _Waiting(stream)
+            # In its place, which one that is quick does not lose.
+            waiting.stream, waiting.raw = stream, raw
+            waiting.time_us, waiting.mono_us = self._clock.wall_ns() // 1000, mono_us
+            waiting.lost += 1
             self._turn.notify()
 
     def _thread_apart(self, stream: PictureStream) -> PictureWorker:
         with self._turn:
             worker = self._apart.get(stream.address)
             if worker is None:
-                worker = self._apart[stream.address] = PictureWorker(self._sink, self._clock)
+                worker = self._apart[stream.address] = PictureWorker(
+                    self._sink, self._clock, self._budget
+                )
                 if not self._ended:
                     worker.start()
             return worker
@@ -71,14 +98,33 @@ class PictureWorker:
     def _work_loop(self) -> None:
         while True:
             with self._turn:
-                while not self._waiting and not self._ended:
-                    self._turn.wait()
+                while not self._ended and (rest_s := self._rest_s()) != 0:
+                    self._turn.wait(rest_s)
                 # What still waits is dropped: nobody looks any more.
                 if self._ended:
                     return
-                stream, raw, time_us, mono_us = self._waiting.pop(next(iter(self._waiting)))
+                next_one = self._waiting.pop(self._turns.choose(self._waiting))
             # Without the lock, so that pictures are taken while one is encoded.
-            stream.process_picture(raw, time_us, mono_us, self._sink)
+            self._make_pictures(next_one)
+
+    def _rest_s(self) -> float | None:
+        """Give how long to wait at the most (s): None until a picture comes, 0 not at all."""
+        if not self._waiting:
+            return None
+        return self._budget.rest_us(self._clock.monotonic_ns() // 1000) / 1e6
+
+    def _make_pictures(self, waiting: _Waiting) -> None:
+        stream, before_ns = waiting.stream, time.thread_time_ns()
+        began_us = self._clock.monotonic_ns() // 1000
+        size = self._sizes.setdefault(stream.address, PictureSize())
+        stream.process_picture(
+            waiting.raw, waiting.time_us, waiting.mono_us, self._sink, divisor=size.divisor
+        )
+        # Of this thread alone: what a detector takes beside it has a limit of its own.
+        cpu_us = (time.thread_time_ns() - before_ns) // 1000
+        room = self._budget.spend(began_us, cpu_us)
+        self._turns.spend(stream.address, cpu_us)
+        size.note_picture(began_us, cpu_us, lost=waiting.lost, room=room)
 
     def close(self) -> None:
         """End the thread, and those of streams that have one of their own."""

@@ -414,7 +414,7 @@ export class CameraView extends LitElement {
       <svg viewBox="0 0 12 12" aria-hidden="true"><path d=${live ? DOT : BLOCK} fill="currentColor"></path></svg>
       <span>${live ? msg("Live") : this.still ? msg("Exposure") : msg("Old")}</span>
       <span class="age">${age}</span>
-      ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s${this.small ? msg(", small: slow connection") : ""}</span>` : nothing}
+      ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s · ${String(this.picture.width)}×${String(this.picture.height)}${this.small ? msg(", small: slow connection") : ""}</span>` : nothing}
     </span>`;
   }
 

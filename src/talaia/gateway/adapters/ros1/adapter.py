@@ -69,7 +69,7 @@ class Ros1Adapter:
         self._settings = settings
         self._scope, self._status = scope, status
         self._clock, self._events = context.clock, context.events
-        self._pictures = context.pictures
+        self._pictures, self._budget = context.pictures, context.budget
         self._unreadable = UnreadableReports(context.events)
         uri = settings.master or os.environ.get("ROS_MASTER_URI") or _DEFAULT_MASTER
         self._master = RosMaster(uri)
@@ -95,7 +95,7 @@ class Ros1Adapter:
         await loop.run_in_executor(None, self._master.check_master)
         failed: asyncio.Future[str] = loop.create_future()
         signs = NodeSigns(self._master)
-        worker = PictureWorker(self._pictures, self._clock)
+        worker = PictureWorker(self._pictures, self._clock, self._budget)
         worker.start()
         self._topics.number_topics(worker)
 

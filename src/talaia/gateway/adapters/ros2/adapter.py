@@ -77,8 +77,8 @@ class Ros2Adapter:
         settings = scope.connection
         assert isinstance(settings, Ros2Connection)  # noqa: S101 - the catalog has seen to it
         self._scope, self._status = scope, status
-        self._clock, self._samples = context.clock, context.samples
-        self._pictures, self._events = context.pictures, context.events
+        self._clock, self._events, self._pictures = context.clock, context.events, context.pictures
+        self._samples, self._budget = context.samples, context.budget
         self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
@@ -218,7 +218,7 @@ class Ros2Adapter:
             paced=pacer_of(context),
         )
         heard_ns: dict[str, int] = {}
-        self._worker = PictureWorker(self._pictures, self._clock)
+        self._worker = PictureWorker(self._pictures, self._clock, self._budget)
         self._packageless = PackagelessServices(
             node=self._node_name, domain=context.get_domain_id(), named=self._definitions
         )

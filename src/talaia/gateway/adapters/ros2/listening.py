@@ -220,7 +220,7 @@ class Ros2Listening:
 
         reader = _TimedReader(_any_version, offer_picture)
         self._subscriptions.want(
-            key, source.topic, source.type, depth=_PICTURE_DEPTH, reader=reader
+            key, source.topic, source.type, depth=_PICTURE_DEPTH, reader=reader, large=True
         )
 
     def _want_frames(self) -> None:

@@ -42,11 +42,15 @@ class TopicReader(Protocol):
 class _WantedTopic:
     """A topic that is wanted: its type, who reads its messages, and the subscription, if any."""
 
-    def __init__(self, topic: str, type_name: str, depth: int, reader: TopicReader) -> None:
+    def __init__(
+        self, topic: str, type_name: str, reader: TopicReader, *, depth: int, large: bool
+    ) -> None:
         self.topic = topic
         self.type_name = type_name
         # How many messages wait at most between two turns of the wait set.
         self.depth = depth
+        # Its messages are read as views, see `WaitThread.add_subscription`.
+        self.large = large
         # May be replaced while the subscription stays, see `Ros2Subscriptions.want`.
         self.reader = reader
         # What was asked for with the subscription; None while there is none.
@@ -95,7 +99,14 @@ class Ros2Subscriptions:
         return {wanted.topic for key, wanted in self._wanted.items() if not key.startswith(without)}
 
     def want(
-        self, key: str, topic: str, type_name: str, *, depth: int, reader: TopicReader
+        self,
+        key: str,
+        topic: str,
+        type_name: str,
+        *,
+        depth: int,
+        reader: TopicReader,
+        large: bool = False,
     ) -> None:
         """Want a topic; one that is wanted already keeps its subscription and changes its reader.
 
@@ -105,11 +116,12 @@ class Ros2Subscriptions:
             type_name: ``package/msg/Name``.
             depth: messages that wait at most.
             reader: called on the wait-set thread.
+            large: messages of megabytes, which the reader takes as views.
 
         """
         found = self._wanted.get(key)
         if found is None:
-            self._wanted[key] = _WantedTopic(topic, type_name, depth, reader)
+            self._wanted[key] = _WantedTopic(topic, type_name, reader, depth=depth, large=large)
             return
         found.reader = reader
         if found.hashes is not None:
@@ -219,7 +231,9 @@ class Ros2Subscriptions:
             wanted.number = number
             wanted.reader.read_message(raw, info)
 
-        self._thread.add_subscription(wanted.subscription.handle, kind, read_message)
+        self._thread.add_subscription(
+            wanted.subscription.handle, kind, read_message, large=wanted.large
+        )
 
     def _look_again(self, wanted: _WantedTopic) -> None:
         """See who publishes now, before a message is read as what the last publisher spoke."""

@@ -89,7 +89,7 @@ class RosbridgeAdapter:
         # Messages come without their type: of two types for one topic the later one is read.
         self._by_topic = {plan.topic: plan for plan in self._plans}
         # Decodes pictures beside the event loop, in each run.
-        self._pictures = context.pictures
+        self._pictures, self._budget = context.pictures, context.budget
         self._worker: PictureWorker | None = None
         self._connected = False
         self._outgoing = OutgoingFrames()
@@ -113,7 +113,7 @@ class RosbridgeAdapter:
     async def run(self) -> None:
         """See `Adapter.run`."""
         where = self._url
-        worker = self._worker = PictureWorker(self._pictures, self._clock)
+        worker = self._worker = PictureWorker(self._pictures, self._clock, self._budget)
         worker.start()
         try:
             async with self._dial(max_size=_MAX_FRAME) as socket:

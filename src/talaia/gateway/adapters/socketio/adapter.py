@@ -105,7 +105,7 @@ class SocketioAdapter(JsonAdapter):
         endpoint = EngineEndpoint(
             token=self._token, receiver=self, clock=self._clock, events=self._context.events
         )
-        self._worker = PictureWorker(self._context.pictures, self._clock)
+        self._worker = PictureWorker(self._context.pictures, self._clock, self._context.budget)
         self._worker.start()
         self._programs.clear()
         try:

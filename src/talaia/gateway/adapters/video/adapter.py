@@ -64,7 +64,9 @@ class VideoAdapter(UndrivenAdapter):
 
     async def run(self) -> None:
         """See `Adapter.run`."""
-        self._worker = PictureWorker(self._context.pictures, self._context.clock)
+        self._worker = PictureWorker(
+            self._context.pictures, self._context.clock, self._context.budget
+        )
         self._worker.start()
         self._status.up()
         self._update_cameras()

@@ -16,7 +16,10 @@ import logging
 import threading
 import time
 from collections import deque
+from functools import partial
 from typing import TYPE_CHECKING, Any
+
+from .unlocked_take import UnlockedTake, can_take_unlocked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,7 +72,9 @@ class WaitThread:
         # Appended by any thread and emptied by ours; a deque needs no lock for these two.
         self._jobs: deque[Callable[[], None]] = deque()
         # By the pointer of the handle, as the wait set names what is ready.
-        self._subscriptions: dict[int, tuple[Any, Any, Callable[[bytes, Any], None]]] = {}
+        self._subscriptions: dict[
+            int, tuple[Any, Callable[[], Any], Callable[[Any, Any], None]]
+        ] = {}
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
         # Read at every turn; set once, by whoever ends the thread.
         self._ended = False
@@ -112,10 +117,16 @@ class WaitThread:
         self,
         handle: Any,  # noqa: ANN401
         kind: Any,  # noqa: ANN401
-        take: Callable[[bytes, Any], None],
+        take: Callable[[Any, Any], None],
+        *,
+        large: bool = False,
     ) -> None:
-        """Take raw messages of a subscription, each with its info."""
-        self._subscriptions[handle.pointer] = (handle, kind, take)
+        """Take raw messages of a subscription, each with its info; ``large`` ones as a view."""
+        # Raw; C++ takes no keyword.
+        take_next: Callable[[], Any] = partial(handle.take_message, kind, True)  # noqa: FBT003
+        if large and can_take_unlocked(handle):
+            take_next = UnlockedTake(handle).take_message
+        self._subscriptions[handle.pointer] = (handle, take_next, take)
 
     def remove_subscription(self, handle: Any) -> None:  # noqa: ANN401
         """Stop taking; the caller destroys it."""
@@ -195,9 +206,9 @@ class WaitThread:
         taken = False
         for pointer in subscriptions:
             # Till it is empty: ready is told once for a queue that holds many.
-            handle, kind, take = self._subscriptions[pointer]
+            _, take_next, take = self._subscriptions[pointer]
             while True:
-                got = handle.take_message(kind, True)  # noqa: FBT003 - raw; C++ takes no keyword
+                got = take_next()
                 if got is None:
                     break
                 taken = True

@@ -1,0 +1,1 @@
+"""What the cores of the gateway's computer bear, and how it is shared out."""
