@@ -125,7 +125,11 @@ class WaitThread:
         # Raw; C++ takes no keyword.
         take_next: Callable[[], Any] = partial(handle.take_message, kind, True)  # noqa: FBT003
         if large and can_take_unlocked(handle):
-            take_next = UnlockedTake(handle).take_message
+            try:
+                take_next = UnlockedTake(handle).take_message
+            except (OSError, AttributeError) as error:
+                # It costs more, and works.
+                _LOG.info("large messages are taken by rclpy: %s", error)
         self._subscriptions[handle.pointer] = (handle, take_next, take)
 
     def remove_subscription(self, handle: Any) -> None:  # noqa: ANN401
