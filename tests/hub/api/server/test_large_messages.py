@@ -251,3 +251,79 @@ async def test_a_socket_that_compresses_is_written_nothing_past_its_extension() 
 
     async with connected_to(app, ws_per_message_deflate=True) as client:
         assert await client.recv() == "False"
+
+
+async def test_messages_that_come_arrive_in_order_whatever_their_length_and_their_parts() -> None:
+    # Short and long ones, in parts and whole; pings between are answered.
+    sent: list[object] = [os.urandom(size) for size in (0, 1, 125, 126, 5_000, 65_536, 200_000)]
+    sent += ["", "text", "ñ" * 40_000, *(os.urandom(400) for _ in range(100))]
+    sent += [[b"in ", b"three ", b"parts"], b"after it", [b"x" * 70_000, b"y"], b"the last"]
+    got: list[object] = []
+    done = asyncio.Event()
+
+    async def app(_scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        for _ in sent:
+            event = await receive()
+            got.append(event.get("bytes", event.get("text")))
+        done.set()
+        await receive()
+
+    async with connected_to(app) as client:
+        for message in sent:
+            await client.send(message)
+        await (await client.ping())
+        await done.wait()
+    whole = [b"".join(message) if isinstance(message, list) else message for message in sent]
+    assert got == whole
+
+
+async def test_who_sends_and_is_not_read_is_let_wait_and_nothing_of_it_is_lost() -> None:
+    sent = [number.to_bytes(4) * 1_000 for number in range(20_000)]
+    read, waiting = asyncio.Event(), []
+
+    async def app(_scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        await read.wait()
+        # Whose method it is knows what waits.
+        waiting.append(receive.__self__.queue.qsize())
+        for message in sent:
+            assert (await receive())["bytes"] == message
+        await send({"type": "websocket.send", "text": "all"})
+        await receive()
+
+    async with connected_to(app) as client:
+        sending = asyncio.create_task(send_all(client, sent))
+        # 80 MB do not fit in what lies between.
+        while not client.paused:
+            await asyncio.sleep(0)
+        read.set()
+        assert await client.recv() == "all"
+        await sending
+    # What one reading of the socket brought, at most.
+    assert waiting[0] < 200
+
+
+async def send_all(client: websockets.ClientConnection, messages: list[bytes]) -> None:
+    for message in messages:
+        await client.send(message)
+
+
+async def test_a_message_of_one_frame_within_one_of_several_ends_the_connection() -> None:
+    async def app(_scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        while (await receive())["type"] != "websocket.disconnect":
+            pass
+
+    async with connected_to(app) as client:
+        client.protocol.send_binary(b"begun", fin=False)
+        client.protocol.expect_continuation_frame = False
+        client.protocol.send_binary(b"another")
+        client.send_data()
+        with contextlib.suppress(websockets.ConnectionClosed):
+            await client.recv()
+        # Protocol error.
+        assert client.close_code == 1002

@@ -1,6 +1,7 @@
 """WebSockets as uvicorn serves them; a large message lets others pass between its pieces.
 
-A frame that is written once for many is written to each at once, by an extension of ASGI.
+A frame that is written once for many is written to each at once, by an extension of ASGI. Short
+messages that come are read past the steps that any frame may need.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from websockets.protocol import State
 
 from talaia.bounded_http import EndingSocketProtocol
 from talaia.hub.live.pages.page_transport import FRAME_WRITER
+from talaia.wire.client_frames import FrameCutter
 from talaia.wire.socket_frame import SocketFrame
 
 if TYPE_CHECKING:
@@ -28,6 +30,11 @@ __all__ = ["LARGEST_PIECE", "HubSocketProtocol"]
 # ms of the one loop, in which no driving frame of anybody goes on. What is encrypted stays in the
 # processor's cache, too.
 LARGEST_PIECE = 64 * 1024
+# Bytes of a message that is read in one step.
+_SHORT = 16 * 1024
+# So many messages may wait to be read before the socket is: to stop it and let it go on for each
+# one costs more than to read it.
+_MOST_UNREAD = 8
 
 
 class HubSocketProtocol(EndingSocketProtocol):
@@ -43,11 +50,36 @@ class HubSocketProtocol(EndingSocketProtocol):
         self._asker = asker
         # Messages of one socket are sent by several tasks: no other may begin within one.
         self._turn = asyncio.Lock()
+        self._cutter = FrameCutter(_SHORT)
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin."""
         super().connection_made(transport)
         self.client = self._asker or self.client
+
+    def data_received(self, data: bytes) -> None:
+        """Read what comes."""
+        conn = self.conn
+        if not self.handshake_initiated:
+            # The request, which comes by itself.
+            super().data_received(data)
+            return
+        for piece in self._cutter.cut_frames(data):
+            # Within a message of several frames, and while it closes, the library judges.
+            if piece.payload and conn.state is State.OPEN and conn.current_size is None:
+                self._enqueue_message(piece.message)
+            else:
+                super().data_received(piece.data)
+
+    def _enqueue_message(self, data: bytes) -> None:
+        # As uvicorn has it: what comes after the farewell is left out.
+        if self.close_sent:
+            return
+        self.queue.put_nowait({"type": "websocket.receive", "bytes": data})
+        # `receive` lets it go on.
+        if not self.read_paused and self.queue.qsize() >= _MOST_UNREAD:
+            self.read_paused = True
+            self.transport.pause_reading()
 
     def handle_connect(self, event: Request) -> None:
         """Offer the application what ASGI itself has no word for."""
