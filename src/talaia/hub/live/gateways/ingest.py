@@ -32,6 +32,8 @@ _LOG = logging.getLogger(__name__)
 # Samples that may wait, and that one commit holds at the most.
 _MOST_WAITING = 500_000
 _MOST_A_COMMIT = 100_000
+# While so many wait, nothing more is gathered: a gateway that catches up is not held up.
+_MANY = 10_000
 # Pieces of it that do not follow each other.
 _MOST_PIECES = 1000
 # Runs of a gateway of which is remembered what is stored; the database knows it of the others.
@@ -140,9 +142,12 @@ class Ingest:
             # Gathered, so that the disk is not made to sync for each batch of a few samples.
             if self._gather_s and not self._ending:
                 await asyncio.sleep(self._gather_s)
-            while self._waiting:
+            # What comes while this is stored is gathered anew: a batch comes every few milliseconds,
+            # and each commit would be followed at once by one of two or three of them.
+            due = len(self._waiting)
+            while self._waiting and (due > 0 or self._ending or self._samples >= _MANY):
                 try:
-                    await self._store_some()
+                    due -= await self._store_some()
                 except (SQLAlchemyError, TalaiaError, OSError):
                     if not failing:
                         _LOG.exception("samples of %s cannot be stored; they wait", self._site)
@@ -156,7 +161,8 @@ class Ingest:
                         _LOG.warning("samples of %s are stored again", self._site)
                     failing = False
 
-    async def _store_some(self) -> None:
+    async def _store_some(self) -> int:
+        """Store what waits, as much as one commit takes; give how many batches and gaps it was."""
         first = self._waiting[0]
         # Nothing is stored beside it: what follows has the new addresses.
         if isinstance(first, Renaming):
@@ -164,7 +170,7 @@ class Ingest:
             # Only when it is done: after a failure it is still the first.
             self._waiting.popleft()
             first.done.set()
-            return
+            return 1
         if isinstance(first, SampleGap):
             taken: list[Batch | SampleGap] = [first]
             spans = [(first.boot, first.first, first.last + 1)]
@@ -206,6 +212,7 @@ class Ingest:
             runs[boot].add_stored(begin, end)
         for boot, run in runs.items():
             self._tell(Ack(boot=boot, below=run.below))
+        return len(taken)
 
     async def _append_batches(self, piece: list[Batch]) -> None:
         first = piece[0]
