@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["PACE_S", "TopicRhythm", "WaitThread"]
+__all__ = ["PACE_S", "WaitThread"]
 
 log = logging.getLogger(__name__)
 PACE_S = 0.010
@@ -29,50 +29,6 @@ PACE_S = 0.010
 IDLE_NS = 250_000_000
 # While the reader above is full: asked again soon, and not in a loop.
 HELD_NS = 50_000_000
-# A subscription is left out for no longer: a little less than a turn of `PACE_S`.
-_LONGEST_OUT_NS = 9_000_000
-_LEAST_GAP_NS = 100_000
-
-
-class TopicRhythm:
-    """A subscription, and when it is worth trying again.
-
-    To try one that has nothing costs much of what it costs to take a message, and in short turns
-    most have nothing. Most topics have a rhythm: one is left out until its next message is nearly
-    due, and never for longer than a usual turn. A message out of rhythm so waits no longer than
-    messages ever wait.
-
-    Attributes:
-        due_ns: not tried before (monotonic).
-
-    """
-
-    # One for each topic, and asked at each turn.
-    __slots__ = ("_gap_ns", "_newest_ns", "due_ns", "handle", "kind", "take")
-
-    def __init__(self, handle: Any, kind: Any, take: Callable[[bytes, Any], None]) -> None:  # noqa: ANN401
-        """Take from ``handle`` messages of ``kind``, for ``take``."""
-        self.handle, self.kind, self.take = handle, kind, take
-        self.due_ns = 0
-        # When its newest message came (wall), and about how long after the one before it.
-        self._newest_ns = self._gap_ns = 0
-
-    def take_waiting(
-        self, taken: list[tuple[Callable[[bytes, Any], None], Any]], wall_ns: int, mono_ns: int
-    ) -> None:
-        """Take what waits, at these times of now, as far as more can be expected."""
-        handle, kind, take, self.due_ns = self.handle, self.kind, self.take, 0
-        while (got := handle.take_message(kind, True)) is not None:  # noqa: FBT003 - raw; C++ takes no keyword
-            taken.append((take, got))
-            came_ns = got[1]["received_timestamp"]
-            # It grows slowly: where messages come in pairs the short time counts.
-            gap_ns = min(came_ns - self._newest_ns, 2 * self._gap_ns + _LEAST_GAP_NS)
-            self._newest_ns, self._gap_ns = came_ns, gap_ns
-            left_ns = came_ns + gap_ns * 7 // 8 - wall_ns
-            # Else it is due, or the wall clock was set, which then says nothing of when one comes.
-            if 0 < left_ns <= gap_ns:
-                self.due_ns = mono_ns + min(left_ns, _LONGEST_OUT_NS)
-                break
 
 
 class WaitThread:
@@ -113,7 +69,7 @@ class WaitThread:
         # Appended by any thread and emptied by ours; a deque needs no lock for these two.
         self._jobs: deque[Callable[[], None]] = deque()
         # By the pointer of the handle, as the wait set names what is ready.
-        self._subscriptions: dict[int, TopicRhythm] = {}
+        self._subscriptions: dict[int, tuple[Any, Any, Callable[[bytes, Any], None]]] = {}
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
         # Read at every turn; set once, by whoever ends the thread.
         self._ended = False
@@ -159,7 +115,7 @@ class WaitThread:
         take: Callable[[bytes, Any], None],
     ) -> None:
         """Take raw messages of a subscription, each with its info."""
-        self._subscriptions[handle.pointer] = TopicRhythm(handle, kind, take)
+        self._subscriptions[handle.pointer] = (handle, kind, take)
 
     def remove_subscription(self, handle: Any) -> None:  # noqa: ANN401
         """Stop taking; the caller destroys it."""
@@ -200,16 +156,14 @@ class WaitThread:
                 self._idle()
             if taken:
                 # More has come meanwhile, most likely.
-                subscriptions = [one for one in self._subscriptions.values() if one.due_ns <= now]
-                clients = list(self._clients)
+                subscriptions, clients = list(self._subscriptions), list(self._clients)
             else:
                 wanted = (len(self._subscriptions), len(self._clients))
                 # A wait set is made for a number of entities; filling it anew each time is cheap.
                 if wait_set is None or wanted != size:
                     wait_set, size = self._make(wait_set, wanted), wanted
                 self._wait(wait_set, HELD_NS if held else max(0, next_idle - now))
-                ready = wait_set.get_ready_entities("subscription")
-                subscriptions = [self._subscriptions[pointer] for pointer in ready]
+                subscriptions = wait_set.get_ready_entities("subscription")
                 clients = wait_set.get_ready_entities("client")
             woke = time.monotonic()
             taken = self._take_messages(subscriptions, clients)
@@ -230,22 +184,24 @@ class WaitThread:
 
     def _wait(self, wait_set: Any, timeout_ns: int) -> None:  # noqa: ANN401
         wait_set.clear_entities()
-        for one in self._subscriptions.values():
-            wait_set.add_subscription(one.handle)
+        for handle, _, _ in self._subscriptions.values():
+            wait_set.add_subscription(handle)
         for handle, _, _ in self._clients.values():
             wait_set.add_client(handle)
         wait_set.add_guard_condition(self._guard)
         wait_set.wait(timeout_ns)
 
-    def _take_messages(self, subscriptions: Sequence[TopicRhythm], clients: Sequence[int]) -> bool:
-        waited: list[tuple[Callable[[bytes, Any], None], Any]] = []
-        wall_ns, mono_ns = time.time_ns(), time.monotonic_ns()
-        # First all are taken, then all are read: each by itself fits the processor's caches.
-        for one in subscriptions:
-            one.take_waiting(waited, wall_ns, mono_ns)
-        for take, (raw, info) in waited:
-            take(raw, info)
-        taken = bool(waited)
+    def _take_messages(self, subscriptions: Sequence[int], clients: Sequence[int]) -> bool:
+        taken = False
+        for pointer in subscriptions:
+            # Till it is empty: ready is told once for a queue that holds many.
+            handle, kind, take = self._subscriptions[pointer]
+            while True:
+                got = handle.take_message(kind, True)  # noqa: FBT003 - raw; C++ takes no keyword
+                if got is None:
+                    break
+                taken = True
+                take(*got)
         for pointer in clients:
             handle, kind, answer = self._clients[pointer]
             while True:
