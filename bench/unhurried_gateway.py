@@ -1,6 +1,6 @@
 """A gateway that does not hear who looks: its batches keep their 20 ms. For comparison.
 
-    python bench/unhurried_gateway.py gateway SITE …    as `talaia gateway SITE …`
+python bench/unhurried_gateway.py gateway SITE …    as `talaia gateway SITE …`
 """
 
 from __future__ import annotations

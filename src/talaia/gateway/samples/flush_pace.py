@@ -10,7 +10,7 @@ from __future__ import annotations
 __all__ = ["SOON_S", "FlushPace"]
 
 # Between two batches of what somebody looks at (s): the turns of an adapter that is in a hurry.
-SOON_S = 0.0055
+SOON_S = 0.005
 # Of the time in which somebody wants one sample, so much may be between two batches: it is seen
 # no more then.
 _SEEN_SHARE = 0.2

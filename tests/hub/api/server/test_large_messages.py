@@ -280,32 +280,56 @@ async def test_messages_that_come_arrive_in_order_whatever_their_length_and_thei
 
 
 async def test_who_sends_and_is_not_read_is_let_wait_and_nothing_of_it_is_lost() -> None:
+    # 80 MB do not fit in what lies between.
     sent = [number.to_bytes(4) * 1_000 for number in range(20_000)]
-    read, waiting = asyncio.Event(), []
+    served: asyncio.Future[HubSocketProtocol] = asyncio.get_running_loop().create_future()
+    read = asyncio.Event()
 
     async def app(_scope, receive, send):
         await receive()
         await send({"type": "websocket.accept"})
+        served.set_result(receive.__self__)
         await read.wait()
-        # Whose method it is knows what waits.
-        waiting.append(receive.__self__.queue.qsize())
         for message in sent:
             assert (await receive())["bytes"] == message
         await send({"type": "websocket.send", "text": "all"})
         await receive()
 
     async with connected_to(app) as client:
+        protocol = await served
         sending = asyncio.create_task(send_all(client, sent))
-        # 80 MB do not fit in what lies between; these turns are enough to read far more than may
-        # wait.
-        for _ in range(1_000):
+        while not protocol.read_paused:
+            assert not sending.done()
             await asyncio.sleep(0)
-        assert not sending.done()
+        # No more than one reading of the socket brought.
+        assert protocol.queue.qsize() < 200
         read.set()
         assert await client.recv() == "all"
         await sending
-    # What one reading of the socket brought, at most.
-    assert waiting[0] < 200
+
+
+async def test_short_messages_that_nobody_takes_stop_the_reading() -> None:
+    served: asyncio.Future[HubSocketProtocol] = asyncio.get_running_loop().create_future()
+    read = asyncio.Event()
+
+    async def app(_scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        served.set_result(receive.__self__)
+        await read.wait()
+        for number in range(100):
+            assert (await receive())["bytes"] == bytes([number])
+        await send({"type": "websocket.send", "text": "all"})
+        await receive()
+
+    async with connected_to(app) as client:
+        protocol = await served
+        await send_all(client, [bytes([number]) for number in range(100)])
+        for _ in range(1_000):
+            await asyncio.sleep(0)
+        assert protocol.read_paused
+        read.set()
+        assert await client.recv() == "all"
 
 
 async def send_all(client: websockets.ClientConnection, messages: list[bytes]) -> None:

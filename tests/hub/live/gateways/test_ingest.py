@@ -23,6 +23,7 @@ class SlowHistory:
     def __init__(self) -> None:  # noqa: D107
         # The first number and the length of each piece.
         self.stored: list[tuple[int, int]] = []
+        self.began = asyncio.Event()
 
     async def stored_below(self, _site: str, _boot: str) -> int:
         return 0
@@ -33,6 +34,7 @@ class SlowHistory:
         for _ in range(3):
             await asyncio.sleep(0)
         self.stored.append((first, len(columns)))
+        self.began.set()
 
 
 def batch(first: int, count: int = 1) -> Batch:
@@ -53,8 +55,7 @@ async def test_what_comes_while_a_commit_is_made_is_gathered_for_the_next_one() 
     ingest = Ingest(cast("History", history), "site", told.append, 0.05)
     storing = asyncio.create_task(ingest.run())
     ingest.enqueue_batch(batch(0))
-    while not history.stored:
-        await asyncio.sleep(0)
+    await history.began.wait()
     for number in range(1, 40):
         ingest.enqueue_batch(batch(number))
         await asyncio.sleep(0)
@@ -67,14 +68,18 @@ async def test_what_comes_while_a_commit_is_made_is_gathered_for_the_next_one() 
 
 
 async def test_who_catches_up_is_stored_without_gathering() -> None:
-    history, told = SlowHistory(), []
+    history, all_told = SlowHistory(), asyncio.Event()
+
+    def tell(said: object) -> None:
+        if said == Ack(boot="run", below=400_000):
+            all_told.set()
+
     # Nothing that is gathered for so long is stored in a test.
-    ingest = Ingest(cast("History", history), "site", told.append, 3600.0)
+    ingest = Ingest(cast("History", history), "site", tell, 3600.0)
     storing = asyncio.create_task(ingest.run())
     # More than a commit holds.
     await feed(ingest, 20, 20_000)
-    while told[-1:] != [Ack(boot="run", below=400_000)]:
-        await asyncio.sleep(0)
+    await all_told.wait()
     storing.cancel()
     assert sum(count for _, count in history.stored) == 400_000
     assert len(history.stored) > 1

@@ -14,8 +14,8 @@ from websockets.exceptions import InvalidState
 from websockets.protocol import State
 
 from talaia.bounded_http import EndingSocketProtocol
+from talaia.hub.api.server.client_frames import FrameCutter
 from talaia.hub.live.pages.page_transport import FRAME_WRITER
-from talaia.wire.client_frames import FrameCutter
 from talaia.wire.socket_frame import SocketFrame
 
 if TYPE_CHECKING:

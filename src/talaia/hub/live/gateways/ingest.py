@@ -142,7 +142,7 @@ class Ingest:
             # Gathered, so that the disk is not made to sync for each batch of a few samples.
             if self._gather_s and not self._ending and self._samples < _MANY:
                 await asyncio.sleep(self._gather_s)
-            # What comes while this is stored is gathered anew: a batch comes every few milliseconds,
+            # What comes while this is stored is gathered anew: batches come every few milliseconds,
             # and each commit would be followed at once by one of two or three of them.
             due = len(self._waiting)
             while self._waiting and (due > 0 or self._ending or self._samples >= _MANY):

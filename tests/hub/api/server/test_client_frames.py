@@ -7,7 +7,7 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import OPEN
 from websockets.server import ServerProtocol
 
-from talaia.wire.client_frames import FrameCutter
+from talaia.hub.api.server.client_frames import FrameCutter
 
 MOST = 300
 # Around what is short, and around the lengths that RFC 6455 writes in different ways.

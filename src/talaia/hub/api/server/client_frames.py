@@ -1,4 +1,4 @@
-"""Finds whole short messages in what a WebSocket's client sends. Pure.
+"""Finds whole short messages in what a WebSocket's client sends. Touches no socket itself.
 
 A library's reader of frames goes through each in a dozen steps, for it has to be ready for all that
 may come. Nearly all that a gateway sends is one kind: a binary message of some hundred bytes, in
