@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import psutil
 
-from talaia.cli.child_processes import ChildProcess, end_all, start_talaia
+from talaia.cli.child_processes import ChildProcess, end_all, start_program, start_talaia
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.sim import ros_domain
@@ -104,9 +104,13 @@ async def running(
     compressed: bool = False,
     detect: str = "",
     tapped: bool = False,
+    hurried: bool = True,
     before: Callable[[Settings], Awaitable[None]] | None = None,
 ) -> AsyncIterator[Stack]:
-    """Run a hub and a gateway for a site with so many topics; ``before`` is done before both."""
+    """Run a hub and a gateway for a site with so many topics; ``before`` is done before both.
+
+    One that is not ``hurried`` sends as slowly as ever what somebody looks at.
+    """
     with tempfile.TemporaryDirectory(prefix="talaia-bench-") as name:
         folder = Path(name)
         port = free_port()
@@ -135,7 +139,9 @@ async def running(
             "--key-file", str(folder / "key"), "--ca", str(folder / "tls" / "cert.pem"),
             "--data", str(folder / "gateway"), "--ros-domain", str(world),
         ]  # fmt: skip
-        gateway = await start_talaia("gateway", words, folder / "gateway.log", here)
+        program = ["-m", "talaia"] if hurried else [str(HERE / "unhurried_gateway.py")]
+        words = [sys.executable, *program, *words]
+        gateway = await start_program("gateway", words, folder / "gateway.log", here)
         try:
             await gateway.wait_line("linked to", 30)
             yield Stack(folder, port, hub, gateway, here)

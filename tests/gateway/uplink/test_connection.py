@@ -66,6 +66,35 @@ def test_urgent_frames_go_first() -> None:
     assert drained(one) == [ControlTick(tick=1), Event(kind="k"), b"!live", b"!old"]
 
 
+def test_a_frame_goes_at_once_where_the_socket_takes_it_and_nothing_as_urgent_waits() -> None:
+    one, sent, room = SendLanes(lambda: None), [], 0
+
+    def write(data: bytes) -> bool:
+        if len(sent) < room:
+            sent.append(data)
+        return data in sent
+
+    one.link_up(write)
+    room = 1
+    one.live(b"!first", 0, 1)
+    # The socket is full.
+    one.live(b"!second", 1, 2)
+    room = 9
+    # Behind the one that waits.
+    one.live(b"!third", 2, 3)
+    one.backfill(b"!old")
+    one.send(ControlTick(tick=1))
+    assert sent == [b"!first", LINK_FROM_GATEWAY.encode(ControlTick(tick=1))]
+    assert drained(one) == [b"!second", b"!third", b"!old"]
+    # What is old goes by its lane, in which it can be overtaken.
+    one.backfill(b"!older")
+    one.live(b"!fourth", 3, 4)
+    assert sent[2:] == [b"!fourth"]
+    one.link_lost()
+    one.send(Event(kind="k"))
+    assert len(sent) == 3
+
+
 def test_results_and_events_outlive_a_lost_link_and_nothing_else_does() -> None:
     one = lanes()
     one.send(StopState(device="base", latched=False))

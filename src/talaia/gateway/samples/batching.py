@@ -47,6 +47,8 @@ __all__ = ["Batcher", "records_of"]
 MAX_WAITING = 1_000_000
 # As many as fit the samples' column of channels.
 _CHANNELS = 65_536
+# Below this many samples Python's own functions cost less than NumPy's.
+_FEW = 64
 OVERRUN = "the gateway could not keep up"
 
 
@@ -76,13 +78,21 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
                 value=packed.value,
                 texts=packed.texts,
             )
-            low, high = int(columns.time_us.min()), int(columns.time_us.max())
+            low, high = _span_us(columns)
             return [SampleRecord(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
     middle = count // 2
     return [
         *records_of(slice_columns(columns, 0, middle), boot, catalogue, first),
         *records_of(slice_columns(columns, middle, count), boot, catalogue, first + middle),
     ]
+
+
+def _span_us(columns: Columns) -> tuple[int, int]:
+    """Give the earliest and the latest time of samples, of which there is one at least."""
+    if len(columns) > _FEW:
+        return int(columns.time_us.min()), int(columns.time_us.max())
+    times = columns.time_us.tolist()
+    return min(times), max(times)
 
 
 class Batcher:
@@ -165,7 +175,7 @@ class Batcher:
         self._waiting += len(columns)
         watched, pace = self._watched, self._pace
         ripe_s, late_s = pace.ripe_s, pace.late_s
-        if watched is not None and watched[columns.channel].any():
+        if watched is not None and np.count_nonzero(watched[columns.channel]):
             self._soon = True
             ripe_s, late_s = min(ripe_s, pace.soon_ripe_s), min(late_s, pace.soon_late_s)
         # Only the one that makes a batch ripe wakes the loop, and one that has no timer yet.
@@ -271,7 +281,7 @@ class Batcher:
             return
         columns = join_columns(chunks)
         watched = self._watched[columns.channel]
-        if not watched.all():
+        if np.count_nonzero(watched) < len(columns):
             self._rest = [pick_samples(columns, ~watched)]
             columns = pick_samples(columns, watched)
         if len(columns):

@@ -1,7 +1,8 @@
 """What waits to be sent, by importance. Pure, and bounded lane by lane.
 
 A driving frame's answer never waits behind a batch of samples, and live samples never behind old
-ones. Each lane says what gives way when it is full.
+ones. Each lane says what gives way when it is full. Where nothing waits that is as important, and
+the socket takes it, a frame does not wait at all.
 """
 
 from __future__ import annotations
@@ -108,6 +109,8 @@ class SendLanes:
     def __init__(self, wake: Callable[[], None]) -> None:
         """Take what to call when something begins to wait."""
         self._wake = wake  # Wakes the writer; called after each frame that was added.
+        # Sends a frame now, or tells that it cannot; what the link that stands has.
+        self._write: Callable[[bytes], bool] = _cannot_write
         # One queue for each priority, by its number.
         self._lanes: tuple[deque[WaitingFrame], ...] = tuple(deque() for _ in SendPriority)
         # Of the LIVE lane alone: the others are bounded by their number of frames.
@@ -128,7 +131,8 @@ class SendLanes:
     def send(self, message: FromGateway) -> None:
         """Queue a message in the lane of its kind."""
         if isinstance(message, _COMMANDS):
-            lane = self._lanes[SendPriority.COMMANDS]
+            priority = SendPriority.COMMANDS
+            lane = self._lanes[priority]
             # Oldest first: the newest results are what people wait for.
             if len(lane) >= self.MAX_COMMANDS:
                 lane.popleft()
@@ -138,19 +142,24 @@ class SendLanes:
                 self.held_stops[message.device] = message
             return
         elif isinstance(message, _CONTROL):
-            lane = self._lanes[SendPriority.CONTROL]
+            priority = SendPriority.CONTROL
+            lane = self._lanes[priority]
             if len(lane) >= self.MAX_CONTROL:
                 lane.popleft()
+        elif isinstance(message, SightingReport):
+            priority = SendPriority.SEEN
         else:
-            lane = self._lanes[
-                SendPriority.SEEN if isinstance(message, SightingReport) else SendPriority.BACKFILL
-            ]
-        lane.append(WaitingFrame(LINK_FROM_GATEWAY.encode(message)))
-        self._wake()
+            priority = SendPriority.BACKFILL
+        data = LINK_FROM_GATEWAY.encode(message)
+        if not self._write_past(priority, data):
+            self._lanes[priority].append(WaitingFrame(data))
+            self._wake()
 
     def live(self, data: bytes, first: int, end: int) -> None:
         """Queue a batch of live samples; without a link it is the spool's matter alone."""
         if not self.linked:
+            return
+        if self._write_past(SendPriority.LIVE, data):
             return
         lane = self._lanes[SendPriority.LIVE]
         # `and lane`: a single batch that is larger than the bound still goes out.
@@ -167,6 +176,16 @@ class SendLanes:
         lane.append(WaitingFrame(data, first, end))
         self._live_bytes += len(data)
         self._wake()
+
+    def _write_past(self, priority: SendPriority, data: bytes) -> bool:
+        """Send a frame at once if none waits that is as important; tell whether it was sent.
+
+        To wake a task for each costs as much as to send it.
+        """
+        # What nobody waits for goes by its lane, in which it may be overtaken.
+        if priority > SendPriority.LIVE or any(self._lanes[: priority + 1]):
+            return False
+        return self._write(data)
 
     def newest(self, data: bytes) -> None:
         """Queue the newest samples, before all that is heard from here on."""
@@ -214,15 +233,20 @@ class SendLanes:
         return None
 
     # `link_lost` first: whatever was queued for a former link must not open this one.
-    def link_up(self) -> None:
-        """Begin a link with nothing of the last one but facts."""
+    def link_up(self, write: Callable[[bytes], bool] | None = None) -> None:
+        """Begin a link with nothing of the last one but facts.
+
+        ``write`` sends a frame at once, and never waits; False: it cannot now, nothing was sent.
+        """
         self.link_lost()
         self.linked = True
+        self._write = write or _cannot_write
         self._wake()
 
     def link_lost(self) -> None:
         """Forget all but results and events."""
         self.linked = False
+        self._write = _cannot_write
         # A new link catches up from the spool anyway.
         self.overflowed = None
         self.owed.clear()
@@ -234,3 +258,8 @@ class SendLanes:
             SendPriority.BACKFILL,
         ):
             self._lanes[lane].clear()
+
+
+def _cannot_write(_: bytes) -> bool:
+    """Stand where no link does."""
+    return False

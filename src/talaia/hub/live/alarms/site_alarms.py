@@ -111,7 +111,7 @@ class SiteAlarms:
         if not self._lookers or not len(columns) or len(self._watched) != len(live.channels):
             return
         keep = self._watched[columns.channel]
-        if not keep.any():
+        if not np.count_nonzero(keep):
             return
         mine = pick_samples(columns, keep)
         now = self._clock.monotonic_ns()

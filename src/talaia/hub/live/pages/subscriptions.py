@@ -43,7 +43,7 @@ class Selection:
         place = self.place[columns.channel]
         keep = place >= 0
         # Where all belong to it nothing is copied.
-        if not keep.all():
+        if np.count_nonzero(keep) < len(keep):
             columns, place = pick_samples(columns, keep), place[keep]
         return Columns(place.astype(np.uint16), columns.time_us, columns.value, columns.texts)
 
