@@ -1,4 +1,4 @@
-"""Whole frames of a WebSocket's other side, cut out of the bytes as they come (RFC 6455, 5.2). Pure.
+"""Whole frames of a WebSocket, cut out of the bytes as they come (RFC 6455, 5.2). Pure.
 
 A message of bytes is nearly always one frame, and nearly all that gateways say is such messages,
 thousands a second. These are unmasked here, in a fifth of the time that a parser takes which is
