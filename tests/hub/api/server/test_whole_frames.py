@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from websockets.frames import Frame, Opcode
 
 from talaia.hub.api.server.whole_frames import WholeFrame, WholeFrames
@@ -29,7 +29,7 @@ def cut(frames: WholeFrames, pieces: Iterable[bytes]) -> list[WholeFrame]:
 
 def divided(data: bytes, at: Iterable[int]) -> list[bytes]:
     ends = sorted({0, len(data), *(place % (len(data) + 1) for place in at)})
-    return [data[first:past] for first, past in zip(ends, ends[1:], strict=False)]
+    return [data[first:past] for first, past in itertools.pairwise(ends)]
 
 
 @given(

@@ -73,7 +73,7 @@ class StoringPace:
     """
 
     def __init__(self, gather_s: float) -> None:
-        """Let what comes gather for at most so long (s)."""
+        """Let what comes gather for at most so long (s); 0: for nothing."""
         self._gather_s = gather_s
         # What is set when it is time, of those that have something to store.
         self._due: deque[asyncio.Event] = deque()
@@ -82,6 +82,9 @@ class StoringPace:
 
     def set_soon(self, event: asyncio.Event) -> None:
         """Set an event when it is time to store."""
+        if not self._gather_s:
+            event.set()
+            return
         self._due.append(event)
         if not self._armed:
             self._armed = True
