@@ -4,8 +4,8 @@
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
                                  demo, history, history-page, history-export, history-servers,
                                  signin, press, many, spool, storm,
-                                 join, load-description, camera, camera-slow, camera-crowd,
-                                 camera-large, camera-eight,
+                                 join, bear, load-description, camera, camera-slow,
+                                 camera-crowd, camera-large, camera-eight,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
                                  board, scene, scene-cloud, fleet, past, viewers
 
@@ -26,6 +26,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import bearing
 import boards
 import cameras
 import clients
@@ -240,12 +241,37 @@ async def join() -> list[Figure]:
             Figure("CPU of the hub for each sample", found.row_us, math.inf, "µs"),
             Figure("memory of the hub for each", found.memory_kib, math.inf, "KiB"),
         ]  # fmt: skip
+    # What comes once, whoever joins, is told apart from what comes with each by a straight line.
+    counts = np.array(list(costs))
+    in_all_ms = np.array([costs[each].join_ms * each for each in costs])
+    each_ms, once_ms = np.polyfit(counts, in_all_ms, 1, w=1 / counts)
+    away = [abs(costs[each].join_ms / (each_ms + once_ms / each) - 1) for each in costs]
     return [
         *figures,
-        Figure("CPU to join, dearest beside cheapest from 50 on",
-               max(costs[each].join_ms for each in costs if each >= 50)
-               / min(costs[each].join_ms for each in costs if each >= 50), 1.1, "times"),
+        Figure("CPU to join: for each, by a line through all", float(each_ms), math.inf, "ms"),
+        Figure("the same: once", float(once_ms), math.inf, "ms"),
+        Figure("farthest from that line, from 50 on",
+               100 * max(far for far, count in zip(away, costs, strict=True) if count >= 50), 10,
+               "%"),
     ]  # fmt: skip
+
+
+async def bear() -> list[Figure]:
+    """Gateways that are there, silent or with 50 signals at 1 Hz: what each costs a second."""
+    figures = []
+    for count, signals in ((500, 0), (500, 50), (1000, 50), (2000, 50)):
+        async with stack.running(1) as here:
+            found = await bearing.bear(here, count, signals, 30.0)
+        figures += [
+            Figure(f"{count} gateways of {signals} signals: hub", 100 * found.running,
+                   100.0, "% of a core"),
+            Figure("CPU of the hub for each in a second", found.each_us, math.inf, "µs"),
+            Figure("memory of the hub for each", found.memory_kib, math.inf, "KiB"),
+            Figure("samples that were not sent, for want of acknowledgements",
+                   100 * (1 - found.sent), 5, "%"),
+            *percentiles("an answer of the hub meanwhile", found.asked_ms, math.inf, math.inf),
+        ]  # fmt: skip
+    return figures
 
 
 async def viewers_() -> list[Figure]:
@@ -753,7 +779,8 @@ PARTS = {
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
     "camera-crowd": camera_crowd, "camera-large": camera_large,
     "camera-eight": camera_eight, "objects": see, "objects-drive": see_and_drive, "press": press,
-    "many": many, "spool": spool, "storm": storm, "join": join, "viewers": viewers_, "taps": taps_,
+    "many": many, "spool": spool, "storm": storm, "join": join, "bear": bear,
+    "viewers": viewers_, "taps": taps_,
     "taps-cloud": taps_cloud, "taps-drive": taps_drive,
 }  # fmt: skip
 

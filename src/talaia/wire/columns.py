@@ -200,7 +200,7 @@ def unpack_columns(packed: _PackedMessage) -> Columns:
     if count > MAX_SAMPLES:
         raise PeerError(f"{count} samples in one batch; at most {MAX_SAMPLES}", 1009)
     # A peer's positions: a negative one would count from the end.
-    if any(not 0 <= position < count for position in texts):
+    if texts and any(not 0 <= position < count for position in texts):
         raise PeerError("a text stands outside its batch")
     # With an offset added it must still be an i64.
     if not -(2**62) < packed.base_us < 2**62:

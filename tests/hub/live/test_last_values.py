@@ -188,3 +188,43 @@ def test_remembered_sample_does_not_hide_a_live_one() -> None:
     latest.update_values(Columns(np.zeros(1, np.uint16), np.array([9]), np.array([2.0]), {}), 10)
     latest.remember_value(0, time_us=5, value=1.0, text="", arrived_ns=0)
     assert latest.values_of(np.array([0]), 10)[0].value.tolist() == [2.0]
+
+
+_BATCHES = st.lists(
+    st.lists(st.tuples(st.integers(0, 3), st.sampled_from(["", "opening"])), max_size=5),
+    max_size=20,
+)
+
+
+@given(_BATCHES, st.sets(st.integers(0, 19)))
+def test_values_are_the_same_whether_they_are_asked_for_after_each_batch_or_after_many(
+    batches, looked_at
+) -> None:
+    seldom, always = Latest(4), Latest(4)
+    for number, samples in enumerate(batches):
+        size = len(samples)
+        columns = Columns(
+            np.array([channel for channel, _ in samples], np.uint16),
+            np.arange(size) + 100 * number,
+            np.arange(size) + 100.0 * number,
+            {at: text for at, (_, text) in enumerate(samples) if text},
+        )
+        for latest in (seldom, always):
+            latest.update_values(columns, 10 + number, f"run {number % 3}", 1000 * number)
+        asked = (always, seldom) if number in looked_at else (always,)
+        for latest in asked:
+            _ = latest.value
+    told = NewestSamples(
+        Columns(np.arange(4, dtype=np.uint16), np.zeros(4, np.int64), np.zeros(4), {}),
+        np.full(4, 7_000),
+        np.zeros(4),
+    )
+    # Before anything else is asked for: it goes by runs and their numbers.
+    newer = [
+        one.newer_samples(told, "run 1", 50, current=True).tolist() for one in (seldom, always)
+    ]
+    assert newer[0] == newer[1]
+    np.testing.assert_array_equal(seldom.value, always.value)
+    assert seldom.time_us.tolist() == always.time_us.tolist()
+    assert seldom.arrived_ns.tolist() == always.arrived_ns.tolist()
+    assert seldom.texts == always.texts

@@ -125,11 +125,15 @@ class Sites:
     def __init__(self) -> None:
         """Start with none."""
         self._sites: dict[str, LiveSite] = {}
+        # The same in the order of their names; made when it is asked for.
+        self._in_order: tuple[LiveSite, ...] | None = None
 
     def __iter__(self) -> Iterator[LiveSite]:
         """Go through the sites in the order of their names."""
-        # A copy: a site may be added meanwhile.
-        return iter([self._sites[name] for name in sorted(self._sites)])
+        if self._in_order is None:
+            self._in_order = tuple(self._sites[name] for name in sorted(self._sites))
+        # A site may be added meanwhile: that makes another one.
+        return iter(self._in_order)
 
     def find_site(self, name: str) -> LiveSite | None:
         """Find a site by its short name."""
@@ -149,6 +153,7 @@ class Sites:
         if live is None:
             live = LiveSite(description, catalogue, channels, every, Latest(len(every)))
             self._sites[description.site] = live
+            self._in_order = None
             return live
         # Most descriptions leave the list as it is, and values in their places.
         if every != live.every:

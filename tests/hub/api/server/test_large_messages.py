@@ -12,6 +12,7 @@ import uvicorn
 import websockets
 
 from talaia.hub.api.server.large_messages import LARGEST_PIECE, HubSocketProtocol
+from talaia.hub.live.gateways.link import MESSAGE_TAKER
 from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 if TYPE_CHECKING:
@@ -250,3 +251,77 @@ async def test_a_socket_that_compresses_is_written_nothing_past_its_extension() 
 
     async with connected_to(app, ws_per_message_deflate=True) as client:
         assert await client.recv() == "False"
+
+
+async def test_what_is_said_is_offered_as_it_comes_and_what_is_not_taken_is_queued() -> None:
+    taken, queued = [], []
+    large = os.urandom(300_000)
+
+    def take(data: bytes) -> bool:
+        if data.startswith(b"no"):
+            return False
+        taken.append(data)
+        return True
+
+    async def app(scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        scope["extensions"][MESSAGE_TAKER]["begin"](take)
+        await send(binary(b"go"))
+        while (event := await receive())["type"] != "websocket.disconnect":
+            queued.append(event.get("bytes", event.get("text")))
+            await send(binary(b"from the queue"))
+
+    async with connected_to(app) as client:
+        assert await client.recv() == b"go"
+        await client.send(b"one")
+        await client.send(large)
+        await (await client.ping())
+        assert taken == [b"one", large]
+        # Of several frames, and text: both are the parser's; and what is not taken.
+        for message in ([b"in ", b"pieces"], "words", b"no, wait"):
+            await client.send(message)
+            assert await client.recv() == b"from the queue"
+        await client.send(b"two")
+        await (await client.ping())
+    assert taken == [b"one", large, b"two"]
+    assert queued == [b"in pieces", "words", b"no, wait"]
+
+
+async def test_what_comes_behind_something_that_is_queued_does_not_pass_it() -> None:
+    order, go_on = [], asyncio.Event()
+
+    def take(data: bytes) -> bool:
+        order.append(data)
+        return True
+
+    async def app(scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        scope["extensions"][MESSAGE_TAKER]["begin"](take)
+        await send(binary(b"go"))
+        await go_on.wait()
+        while (event := await receive())["type"] != "websocket.disconnect":
+            order.append(event.get("bytes", event.get("text")))
+
+    async with connected_to(app) as client:
+        assert await client.recv() == b"go"
+        for message in ("words", b"bytes", "more", b"last"):
+            await client.send(message)
+        go_on.set()
+        await (await client.ping())
+    assert order == ["words", b"bytes", "more", b"last"]
+
+
+async def test_a_message_that_is_too_large_ends_the_connection_as_before() -> None:
+    async def app(scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        while (await receive())["type"] != "websocket.disconnect":
+            pass
+
+    async with connected_to(app, ws_max_size=1000) as client:
+        await client.send(bytes(1000))
+        await client.send(bytes(1001))
+        await client.wait_closed()
+        assert client.close_code == 1009

@@ -18,7 +18,7 @@ from talaia.hub.certificate import own_certificate
 from talaia.hub.errors import HubBusy, StoreDown
 from talaia.hub.live.gateways import hello_intake, link_service
 from talaia.hub.live.gateways.join_queue import JoinQueue
-from talaia.hub.live.gc_schedule import collect_at_rest, wants_collection
+from talaia.hub.live.gc_schedule import collect_at_rest, wants_collection, wants_whole
 from talaia.hub.settings import Settings
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
 from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -236,6 +236,13 @@ def test_full_collection_waits_for_a_driver_but_not_for_ever() -> None:
     assert wants_collection(10, driven=False)
     assert not wants_collection(99, driven=True)
     assert wants_collection(100, driven=True)
+
+
+def test_everything_is_looked_at_after_an_hour_or_when_much_more_is_set_aside() -> None:
+    assert not wants_whole(3599.0, 1_000_000, 1_000_000)
+    assert wants_whole(3600.0, 1_000_000, 1_000_000)
+    assert not wants_whole(10.0, 1_350_000, 1_000_000)
+    assert wants_whole(10.0, 1_350_001, 1_000_000)
 
 
 async def test_pythons_own_full_collections_are_off_while_ours_run() -> None:

@@ -6,6 +6,8 @@ import pytest
 import websockets
 
 from talaia.clock import SystemClock
+from talaia.hub.live.gateways.open_links import OpenLinks
+from talaia.hub.live.sites import Sites
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import Bye, Event, ReconnectRequest
@@ -36,6 +38,37 @@ async def test_revoked_gateway_is_gone_at_once_and_stays_out(hub, gateway) -> No
 async def test_key_revoked_by_another_process_closes_the_link_within_a_second(hub, gateway) -> None:
     await SiteRegistry(hub.hub.core.database, SystemClock()).new_key("agv")
     assert await gateway.closed() == 4409
+
+
+class Line:
+    """A connection of a gateway, which remembers how it was sent away."""
+
+    reason = ""
+
+    def dismiss_gateway(self, reason: str) -> None:
+        self.reason = reason
+
+
+async def test_each_key_that_becomes_void_ends_its_links_whenever_these_were_opened(hub) -> None:
+    registry = SiteRegistry(hub.hub.core.database, SystemClock())
+    links = OpenLinks(Sites(), registry)
+    keys = [await registry.gateway_of(await registry.new_key(f"site {at}")) for at in range(3)]
+    early, kept, late = Line(), Line(), Line()
+    with links.count_open(keys[0].id, early), links.count_open(keys[1].id, kept):
+        await links.check_keys()
+        assert (early.reason, kept.reason) == ("", "")
+        # One that is linked, and one whose key was looked up and who is not in yet.
+        await registry.new_key("site 0")
+        await registry.new_key("site 2")
+        await links.check_keys()
+        assert "revoked" in early.reason
+        with links.count_open(keys[2].id, late):
+            await links.check_keys()
+        assert "revoked" in late.reason
+        assert not kept.reason
+        await registry.new_key("site 1")
+        await links.check_keys()
+        assert "revoked" in kept.reason
 
 
 async def test_asked_to_dial_again_the_link_is_closed_and_the_key_still_good(hub, gateway) -> None:

@@ -1,6 +1,8 @@
 """WebSockets as uvicorn serves them; a large message lets others pass between its pieces.
 
-A frame that is written once for many is written to each at once, by an extension of ASGI.
+Extensions of ASGI spare what happens thousands of times a second a queue and a task's turn: a frame
+that is written once for many is written to each at once, and what a gateway says is handed on as it
+comes.
 """
 
 from __future__ import annotations
@@ -13,9 +15,13 @@ from websockets.exceptions import InvalidState
 from websockets.protocol import State
 
 from talaia.bounded_http import EndingSocketProtocol
+from talaia.hub.api.server.whole_frames import WholeFrames
+from talaia.hub.live.gateways.link import MESSAGE_TAKER
 from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from uvicorn._types import ASGISendEvent
     from websockets.http11 import Request
 
@@ -40,6 +46,12 @@ class HubSocketProtocol(EndingSocketProtocol):
         """Serve a connection; ``asker`` is who comes, where that is not the socket's other end."""
         super().__init__(*args, **kwargs)
         self._asker = asker
+        # Cuts what comes once the other side may speak; None: not yet, or never.
+        self._frames: WholeFrames | None = None
+        # It said something before it was let in: the parser may be within a frame.
+        self._spoke_early = False
+        # Is offered each message of bytes before it is queued.
+        self._taker: Callable[[bytes], bool] | None = None
         # Messages of one socket are sent by several tasks: no other may begin within one.
         self._turn = asyncio.Lock()
 
@@ -55,6 +67,42 @@ class HubSocketProtocol(EndingSocketProtocol):
         if self.handshake_initiated and not self.close_sent:
             extensions = cast("dict[str, Any]", self.scope["extensions"])
             extensions[FRAME_WRITER] = {"write": self.write_frame}
+            extensions[MESSAGE_TAKER] = {"begin": self.begin_taking}
+
+    def begin_taking(self, taker: Callable[[bytes], bool]) -> None:
+        """Offer each message of bytes to ``taker`` as it comes, while none before it is queued.
+
+        One that gives False leaves it to the queue, and so do all that come before that is empty.
+        """
+        self._taker = taker
+
+    def data_received(self, data: bytes) -> None:
+        """Read what came."""
+        if self._frames is None and not self._begin_frames():
+            super().data_received(data)
+            return
+        for frame in cast("WholeFrames", self._frames).cut(data):
+            # One of before has ended the connection.
+            if self.transport.is_closing():
+                return
+            if not frame.is_message:
+                super().data_received(frame.data)
+            # After a farewell nothing counts any more.
+            elif self.close_sent or self.conn.state is not State.OPEN:
+                continue
+            elif self._taker is None or not self.queue.empty() or not self._taker(frame.data):
+                self.frames, self.curr_msg_data_type = [frame.data], "bytes"
+                self.send_receive_event_to_app()
+
+    def _begin_frames(self) -> bool:
+        """Tell whether what comes from now on are frames."""
+        if not self.handshake_complete:
+            self._spoke_early |= self.handshake_initiated
+            return False
+        if self._spoke_early or self.conn.state is not State.OPEN or self.conn.extensions:
+            return False
+        self._frames = WholeFrames(self.config.ws_max_size)
+        return True
 
     def write_frame(self, frame: SocketFrame) -> bool:
         """Write a frame, of which others may get the same bytes; never waits.

@@ -32,6 +32,8 @@ __all__ = ["Writer"]
 ENOUGH = 512
 # More than this in one commit only makes the others wait longer.
 MOST = 65_536
+# Whoever drives has the loop's next turn, however many gateways wait for a commit.
+_ANSWERS_A_TURN = 32
 
 _LOG = logging.getLogger(__name__)
 Answer = int | HistoryError
@@ -126,7 +128,8 @@ class Writer:
             began = self._clock.monotonic_ns()
             answers = self._answer_jobs([waiting.job for waiting in group])
             if self._loop is not None and not self._loop.is_closed():
-                self._loop.call_soon_threadsafe(_answer_waiting, group, answers)
+                answered = deque(zip(group, answers, strict=True))
+                self._loop.call_soon_threadsafe(_answer_waiting, self._loop, answered)
             try:
                 self._checkpoints.after_commit(self._ledger.written)
                 self._ledger.written = 0
@@ -208,11 +211,17 @@ def _failure_reason(error: Exception) -> str:
     return str(reason) or type(reason).__name__
 
 
-def _answer_waiting(group: Sequence[_Waiting], answers: Sequence[Answer]) -> None:
-    for waiting, answer in zip(group, answers, strict=True):
+def _answer_waiting(
+    loop: asyncio.AbstractEventLoop, answered: deque[tuple[_Waiting, Answer]]
+) -> None:
+    """Answer some, and the rest in the loop's next turn: each of them has something to do then."""
+    for _ in range(min(_ANSWERS_A_TURN, len(answered))):
+        waiting, answer = answered.popleft()
         if waiting.answer.done():  # its caller was cancelled
             continue
         if isinstance(answer, HistoryError):
             waiting.answer.set_exception(answer)
         else:
             waiting.answer.set_result(answer)
+    if answered:
+        loop.call_soon(_answer_waiting, loop, answered)

@@ -215,8 +215,8 @@ class AlarmEngine:
     def evaluate_conditions(self) -> None:
         """Hold what is known against every condition: values age, and delays end."""
         for site, known in self._of.items():
-            live = self._sites.find_site(site)
-            if live is not None:
+            # Of thousands of sites most may have none.
+            if known.alarms and (live := self._sites.find_site(site)) is not None:
                 known.evaluate_conditions(live)
 
     def _handle_happening(

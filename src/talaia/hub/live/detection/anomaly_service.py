@@ -348,8 +348,8 @@ class AnomalyService:
                 sink.report_anomaly(news)
         self._publish_standing(live, runner)
 
-    def _tell_known(self, live: LiveSite) -> None:
-        for runner in self.known.over_for(live, self._watch_of(live).all_runners()):
+    def _tell_known(self, live: LiveSite, watch: SiteWatch) -> None:
+        for runner in self.known.over_for(live, watch.all_runners()):
             began = AnomalyBegan(runner.from_us, runner.episodes.top, runner.why)
             self._publish_anomaly(live, runner, began)
 
@@ -360,9 +360,10 @@ class AnomalyService:
     async def _tick_loop(self) -> None:
         while True:
             await asyncio.sleep(_TICK_S)
-            self._score_silence()
-            for live in self._sites:
-                self._tell_known(live)
+            watching = self._watching_sites()
+            self._score_silence(watching)
+            for live, watch in watching:
+                self._tell_known(live, watch)
             try:
                 await self._scores.write_waiting()
                 await self._save_detectors(
@@ -375,14 +376,18 @@ class AnomalyService:
             else:
                 self._failing = False
 
-    def _score_silence(self) -> None:
+    def _watching_sites(self) -> list[tuple[LiveSite, SiteWatch]]:
+        """List the sites that have detectors: of thousands most may have none."""
+        watches = ((live, self._watch_of(live)) for live in self._sites)
+        return [(live, watch) for live, watch in watches if watch.any_runners]
+
+    def _score_silence(self, watching: Sequence[tuple[LiveSite, SiteWatch]]) -> None:
         """Let detectors look at the clock; while a gateway is away, nothing comes anyway."""
-        for live in self._sites:
+        for live, watch in watching:
             if not live.online:
                 continue
             # By the gateway's clock, by which its samples are dated.
             now_us = self._clock.wall_ns() // 1000 + round(live.presence.skew_ms * 1000)
-            watch = self._watch_of(live)
             for runner in watch.all_runners():
                 turn = runner.score_silence(now_us)
                 if turn is not None:
@@ -412,7 +417,7 @@ def _unsaved_detectors(
     """List what has learned since it was saved, with its site; ``most``: only what is due."""
     now, due = clock.monotonic_ns() / 1e9, []
     for site, watch in watches.items():
-        for runner in watch.all_runners():
+        for runner in watch.all_runners() if watch.any_runners else ():
             key = (site, runner.address, runner.word)
             # What just began to learn waits its turn like all others.
             since = saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)

@@ -24,7 +24,7 @@ import numpy as np
 
 from talaia.hub.live.detection.camera_detection import CameraDetection
 from talaia.hub.live.detection.sightings import OWN
-from talaia.hub.live.gateways.ingest import Batch, Ingest
+from talaia.hub.live.gateways.ingest import Batch, Ingest, StoringPace
 from talaia.hub.live.pictures.jpeg_process import JpegProcess
 from talaia.model.derived_signals import counts_of, detecting_cameras, detection_setup_of
 from talaia.model.detection import DetectAt
@@ -138,6 +138,8 @@ class DetectionService:
         self._turns: dict[str, asyncio.Lock] = {}
         # Held, for the loop itself holds a task only weakly.
         self._ended: set[asyncio.Task[None]] = set()
+        # When what they count is stored.
+        self._pace = StoringPace(_GATHER_S)
         # Set once: no camera is begun any more.
         self._closing = False
 
@@ -153,7 +155,7 @@ class DetectionService:
             return
         if site is None:
             # Nobody is told what is stored: no gateway keeps what the hub itself counts.
-            ingest = Ingest(self._history, live.name, lambda _: None, _GATHER_S)
+            ingest = Ingest(self._history, live.name, lambda _: None, self._pace)
             site = self._of[live.name] = _SiteEyes(live, ingest)
         site.live = live
         self._say_too_many(live, site, wanted)

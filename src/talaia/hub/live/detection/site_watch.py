@@ -62,6 +62,11 @@ class SiteWatch:
         self.places = {live.every[at].address: at for at in scores}
         self.fresh: list[tuple[int, int, float]] = []
 
+    @property
+    def any_runners(self) -> bool:
+        """Whether there is any detector."""
+        return bool(self.watched or self.groups)
+
     def all_runners(self) -> list[EpisodeRunner]:
         """List all detectors: those of single signals, then the groups."""
         return [*(runner for some in self.watched.values() for runner in some), *self.groups]

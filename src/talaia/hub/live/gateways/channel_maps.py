@@ -41,6 +41,10 @@ class ChannelMaps:
         self._shown: tuple[str, ...] = first
         # For each list the place of its channels in `_shown`, or -1; made when it is needed.
         self._order: dict[tuple[str, ...], NDArray[np.int64]] = {}
+        # The channels of the last batch as they came, and of how many they were found to be: most
+        # gateways say the same ones again and again.
+        self._last_channels = b""
+        self._last_among = 0
 
     def add_map(self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str]) -> None:
         """Take another list, by which batches are numbered from now on.
@@ -97,9 +101,12 @@ class ChannelMaps:
             addresses = self._lists[message.catalogue]
         else:
             raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
+        if message.channel == self._last_channels and len(addresses) == self._last_among:
+            return addresses
         # Later the numbers index arrays, so they are checked where they come in.
         if len(columns) and int(columns.channel.max()) >= len(addresses):
             raise PeerError("a sample's channel is not in the catalogue")
+        self._last_channels, self._last_among = message.channel, len(addresses)
         return addresses
 
     def live_columns(self, batch: Batch) -> Columns:

@@ -75,26 +75,30 @@ class FloodGuard:
             PeerError: its gateway has gone on too long.
 
         """
-        await self.admit_kind(key, frame_kind(message))
+        if wait_s := self.charge_kind(key, frame_kind(message)):
+            await asyncio.sleep(wait_s)
 
-    async def admit_kind(self, key: GatewayKey, kind: str) -> None:
-        """Wait until a frame of a kind may be read; see `admit_frame`."""
+    def charge_kind(self, key: GatewayKey, kind: str) -> float:
+        """Count a frame of a kind, and give how long it has to wait before it may be read (s).
+
+        Raises:
+            PeerError: its gateway has gone on too long.
+
+        """
         live = self._sites.find_site(key.site)
         limits = self._limits_of(key.site)
         # Who has more to say of has a larger allowance.
         described = 0 if live is None else live.described
         verdict = limits.charge(kind, self._clock.monotonic_ns(), described=described)
-        if verdict.slowed:
-            await self._slow_down(key, kind, verdict)
+        wait_s = self._slow_down(key, kind, verdict) if verdict.slowed else 0.0
         # Of the message before: what it wrote into the log.
         # Taken once: it is one wait, whichever connection waits it.
         rows, limits.rows = limits.rows, None
-        if rows is not None:
-            await self._slow_down(key, "event", rows)
+        return wait_s if rows is None else wait_s + self._slow_down(key, "event", rows)
 
-    async def _slow_down(self, key: GatewayKey, kind: str, verdict: Verdict) -> None:
+    def _slow_down(self, key: GatewayKey, kind: str, verdict: Verdict) -> float:
         self._report_flood(key, kind, verdict)
-        await asyncio.sleep(min(verdict.wait_s, _LONGEST_WAIT_S))
+        return min(verdict.wait_s, _LONGEST_WAIT_S)
 
     def _report_flood(self, key: GatewayKey, kind: str, verdict: Verdict) -> None:
         site = key.site

@@ -26,12 +26,14 @@ if TYPE_CHECKING:
     from talaia.hub.ports import History
     from talaia.wire.columns import Columns
 
-__all__ = ["Batch", "Ingest", "Renaming"]
+__all__ = ["Batch", "Ingest", "Renaming", "StoringPace"]
 
 _LOG = logging.getLogger(__name__)
 # Samples that may wait, and that one commit holds at the most.
 _MOST_WAITING = 500_000
 _MOST_A_COMMIT = 100_000
+# While so many wait, nothing more is gathered: a gateway that catches up is not held up.
+_MANY = 10_000
 # Pieces of it that do not follow each other.
 _MOST_PIECES = 1000
 # Runs of a gateway of which is remembered what is stored; the database knows it of the others.
@@ -39,6 +41,8 @@ _MOST_RUNS = 1000
 # When so few wait, what is owed is asked for.
 _ROOM = _MOST_WAITING // 4
 _RETRY_S = 1.0
+# So many gateways begin to store in one turn of the loop: whoever drives has the next one.
+_A_TURN = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +68,38 @@ class Renaming:
     done: asyncio.Event = field(default_factory=asyncio.Event)
 
 
+class StoringPace:
+    """When gateways store what has come of them: together, so that they share commits.
+
+    Each with a timer of its own, thousands of them would have the disk sync for a few each.
+    """
+
+    def __init__(self, gather_s: float) -> None:
+        """Let what comes gather for at most so long (s); 0: for nothing."""
+        self._gather_s = gather_s
+        # What is set when it is time, of those that have something to store.
+        self._due: deque[asyncio.Event] = deque()
+        # It will be.
+        self._armed = False
+
+    def set_soon(self, event: asyncio.Event) -> None:
+        """Set an event when it is time to store."""
+        if not self._gather_s:
+            event.set()
+            return
+        self._due.append(event)
+        if not self._armed:
+            self._armed = True
+            asyncio.get_running_loop().call_later(self._gather_s, self._set_some)
+
+    def _set_some(self) -> None:
+        for _ in range(min(_A_TURN, len(self._due))):
+            self._due.popleft().set()
+        self._armed = bool(self._due)
+        if self._armed:
+            asyncio.get_running_loop().call_soon(self._set_some)
+
+
 class Ingest:
     """Stores batches and gaps in the order they came and acknowledges once for each commit."""
 
@@ -72,20 +108,21 @@ class Ingest:
         history: History,
         site: str,
         tell: Callable[[Ack | ResendRequest], None],
-        gather_s: float,
+        pace: StoringPace,
     ) -> None:
-        """Tell the gateway when samples are safe; gather for ``gather_s`` before a commit."""
+        """Tell the gateway when samples are safe; gather by ``pace`` before a commit."""
         self._history = history
         self._site = site
         # Acknowledges, or asks again, on the link to the gateway.
         self._tell = tell
-        self._gather_s = gather_s
+        self._pace = pace
         # In the order in which it came, which is the order in which it is stored.
         self._waiting: deque[Batch | SampleGap | Renaming] = deque()
         # Of what waits; bounded by `_MOST_WAITING`, since the link is read on.
         self._samples = 0
-        # Set when there is something to store, or the end.
+        # Set when it is time to store something, or the end; and whether the pace knows of it.
         self._news = asyncio.Event()
+        self._paced = False
         # What found no room, by run: from which sequence number to before which.
         self._owed: dict[str, tuple[int, int]] = {}
         # What is known to be stored, by run of the gateway.
@@ -117,13 +154,13 @@ class Ingest:
         self._waiting.append(item)
         # A gap counts as well, so that a flood of them is bounded too.
         self._samples += len(item.columns) if isinstance(item, Batch) else 1
-        self._news.set()
+        self._wake_soon()
 
     def rename_channels(self, moves: Mapping[str, str]) -> asyncio.Event:
         """Rename channels once what came before is stored, and before what comes after."""
         renaming = Renaming(moves)
         self._waiting.append(renaming)
-        self._news.set()
+        self._wake_soon()
         return renaming.done
 
     def finish_storing(self) -> None:
@@ -137,12 +174,13 @@ class Ingest:
         while self._waiting or not self._ending:
             await self._news.wait()
             self._news.clear()
-            # Gathered, so that the disk is not made to sync for each batch of a few samples.
-            if self._gather_s and not self._ending:
-                await asyncio.sleep(self._gather_s)
-            while self._waiting:
+            self._paced = False
+            # What comes while this is stored is gathered anew: batches come every few milliseconds,
+            # and each commit would be followed at once by one of two or three of them.
+            due = len(self._waiting)
+            while self._waiting and (due > 0 or self._ending or self._samples >= _MANY):
                 try:
-                    await self._store_some()
+                    due -= await self._store_some()
                 except (SQLAlchemyError, TalaiaError, OSError):
                     if not failing:
                         _LOG.exception("samples of %s cannot be stored; they wait", self._site)
@@ -156,7 +194,16 @@ class Ingest:
                         _LOG.warning("samples of %s are stored again", self._site)
                     failing = False
 
-    async def _store_some(self) -> None:
+    def _wake_soon(self) -> None:
+        if self._samples >= _MANY:
+            self._news.set()
+        # Gathered, so that the disk is not made to sync for each batch of a few samples.
+        elif not self._paced:
+            self._paced = True
+            self._pace.set_soon(self._news)
+
+    async def _store_some(self) -> int:
+        """Store what waits, as much as one commit takes; give how many batches and gaps it was."""
         first = self._waiting[0]
         # Nothing is stored beside it: what follows has the new addresses.
         if isinstance(first, Renaming):
@@ -164,7 +211,7 @@ class Ingest:
             # Only when it is done: after a failure it is still the first.
             self._waiting.popleft()
             first.done.set()
-            return
+            return 1
         if isinstance(first, SampleGap):
             taken: list[Batch | SampleGap] = [first]
             spans = [(first.boot, first.first, first.last + 1)]
@@ -182,14 +229,7 @@ class Ingest:
             batches = [batch for piece in pieces for batch in piece]
             taken = [*batches]
             spans = [(batch.boot, batch.first, batch.end) for batch in batches]
-            # Side by side: pieces that do not follow each other share a commit all the same.
-            stored = await asyncio.gather(
-                *(self._append_batches(piece) for piece in pieces), return_exceptions=True
-            )
-            # Pieces that were stored are stored once more then, which changes nothing.
-            for failure in stored:
-                if isinstance(failure, BaseException):
-                    raise failure
+            await self._append_pieces(pieces)
         # Asks the database for a run that is new, so it stands before the first change here.
         runs = {
             boot: await self._stored_run(boot)
@@ -206,6 +246,21 @@ class Ingest:
             runs[boot].add_stored(begin, end)
         for boot, run in runs.items():
             self._tell(Ack(boot=boot, below=run.below))
+        return len(taken)
+
+    async def _append_pieces(self, pieces: list[list[Batch]]) -> None:
+        # Nearly always: a task for it would take longer than all else here.
+        if len(pieces) == 1:
+            await self._append_batches(pieces[0])
+            return
+        # Side by side: pieces that do not follow each other share a commit all the same.
+        stored = await asyncio.gather(
+            *(self._append_batches(piece) for piece in pieces), return_exceptions=True
+        )
+        # Pieces that were stored are stored once more then, which changes nothing.
+        for failure in stored:
+            if isinstance(failure, BaseException):
+                raise failure
 
     async def _append_batches(self, piece: list[Batch]) -> None:
         first = piece[0]

@@ -9,20 +9,27 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.gateways.clock_offset import ClockOffset
-from talaia.hub.live.gateways.frame_limits import UNKNOWN
+from talaia.hub.live.gateways.frame_limits import UNKNOWN, frame_kind
 from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
+from talaia.hub.live.pages.page_transport import FRAME_WRITER
 from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
+from talaia.wire.socket_frame import SocketFrame
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Callable
 
     from starlette.websockets import WebSocket
 
     from talaia.wire.frames import FromGateway, FromHub
 
-__all__ = ["GONE", "GatewayLink"]
+__all__ = ["GONE", "MESSAGE_TAKER", "GatewayLink"]
+
+# The extension of ASGI by which our server offers messages of bytes as they come: {"begin": takes
+# a function that gives False for what is to be queued}. Over a hub that hands a socket through
+# there is none, and all are queued.
+MESSAGE_TAKER = "talaia.message_taker"
 
 _LOG = logging.getLogger(__name__)
 # One that does not read must not hold up the end of its link (s).
@@ -38,9 +45,10 @@ class GatewayLink:
 
     def __init__(self, socket: WebSocket) -> None:
         """Speak over ``socket``, which is accepted already."""
-        # Waited for before a message of a kind is read. The site's own once it is attached: what
-        # another one with the site's key says, which waits, is no debt of the site's.
-        self.admit_kind: Callable[[str], Awaitable[None]] = self._admit_few
+        # Counts a message of a kind and gives how long it has to wait (s). The site's own once it
+        # is attached: what another one with the site's key says, which waits, is no debt of the
+        # site's.
+        self.charge_kind: Callable[[str], float] = self._charge_few
         # Unknown messages before it was attached.
         self._early = 0
         # Of its clock, by beats; counts those that were answered too.
@@ -52,12 +60,24 @@ class GatewayLink:
         self._lanes = PrioritySendQueue()
         # Something waits.
         self._wake = asyncio.Event()
+        # The writing task has nothing in its hands: what is said now may be written at once.
+        self._idle = False
+        self._write_frame = _extension(socket, FRAME_WRITER, "write")
+        # Deals with what comes. Whoever reads the queue waits for it, with nothing in its hands:
+        # then what comes may pass it by.
+        self._handle: Callable[[FromGateway], bool] = lambda _: False
+        self._resting = False
+        # Of a message that could not: how long it has to wait (s), or what is wrong.
+        self._charged_s: float | None = None
+        self._failure: Exception | None = None
         # The end that somebody asked for, with the reason; the first one stays.
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
     def send(self, message: FromHub) -> None:
         """Queue a message."""
         self.handed_down.record_message(message)
+        if self._idle and not self._lanes and self._write_at_once(message):
+            return
         # So much waits that it cannot be reading.
         if not self._lanes.enqueue_message(message):
             self.dismiss_gateway("it does not listen")
@@ -85,18 +105,86 @@ class GatewayLink:
             # A newer gateway may say more than this hub knows.
             except UnknownKind as error:
                 _LOG.debug("a gateway sent %s", error)
-                await self.admit_kind(UNKNOWN)
+                if wait_s := self.charge_kind(UNKNOWN):
+                    await asyncio.sleep(wait_s)
 
-    async def _admit_few(self, kind: str) -> None:
+    async def read_messages(self, handle: Callable[[FromGateway], bool]) -> None:
+        """Have each message dealt with until ``handle`` gives False, or the gateway has hung up.
+
+        Raises:
+            PeerError: what came is no message, or the gateway is cut off.
+
+        """
+        self._handle = handle
+        begin = _extension(self._socket, MESSAGE_TAKER, "begin")
+        if begin is not None:
+            begin(self._take_at_once)
+        try:
+            while True:
+                self._resting = True
+                message = await self.receive_message()
+                self._resting = False
+                if self._failure is not None:
+                    raise self._failure
+                if message is None:
+                    return
+                wait_s, self._charged_s = self._charged_s, None
+                if wait_s is None:
+                    wait_s = self.charge_kind(frame_kind(message))
+                if wait_s:
+                    await asyncio.sleep(wait_s)
+                if not handle(message):
+                    return
+        finally:
+            self._resting = False
+
+    def _take_at_once(self, data: bytes) -> bool:
+        """Deal with a message as it comes; False: whoever reads the queue has to."""
+        if not self._resting:
+            return False
+        # Unless all is well, that one goes on from here.
+        self._resting = False
+        try:
+            message = LINK_FROM_GATEWAY.decode(data)
+            if isinstance(message, Bye):
+                return False
+            wait_s = self.charge_kind(frame_kind(message))
+            if wait_s:
+                self._charged_s = wait_s
+                return False
+            self._handle(message)
+        except UnknownKind:
+            return False
+        # Raised where the link is read, not where bytes come in.
+        except Exception as error:  # noqa: BLE001
+            self._failure = error
+            return False
+        self._resting = True
+        return True
+
+    def _charge_few(self, kind: str) -> float:
         # Not by the clock: what a stranger may say before it is let in is little, however slowly.
         self._early += 1
         if self._early > _MOST_EARLY:
             raise PeerError(f"too many of {kind} before it was linked", 1013)
+        return 0.0
+
+    def _write_at_once(self, message: FromHub) -> bool:
+        """Write a message past the lanes; a task's turn for each costs more than the rest of it."""
+        if self._write_frame is None:
+            return False
+        try:
+            return bool(self._write_frame(SocketFrame(LINK_FROM_HUB.encode(message))))
+        except GONE:
+            # Whoever writes what is queued will find that, too.
+            return False
 
     async def write_queued(self) -> None:
         """Send what is queued, for ever."""
         while True:
+            self._idle = True
             await self._wake.wait()
+            self._idle = False
             # Before the lanes are emptied: what is queued meanwhile sets it again.
             self._wake.clear()
             while self._lanes:
@@ -121,3 +209,11 @@ class GatewayLink:
                 await self._socket.close(code)
         except GONE:
             return
+
+
+def _extension(socket: WebSocket, name: str, function: str) -> Callable[..., object] | None:
+    """Give a function that our server offers beside ASGI; none: it is another's."""
+    offered: Callable[..., object] | None = (
+        socket.scope.get("extensions", {}).get(name, {}).get(function)
+    )
+    return offered

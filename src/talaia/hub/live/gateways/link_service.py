@@ -22,9 +22,8 @@ from talaia.hub.live.gateways.description_intake import Redescription, source_of
 from talaia.hub.live.gateways.doubles.gateway_places import REPLACED
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
-from talaia.hub.live.gateways.frame_limits import frame_kind
 from talaia.hub.live.gateways.hello_intake import REFUSED, receive_hello
-from talaia.hub.live.gateways.ingest import Batch, Ingest
+from talaia.hub.live.gateways.ingest import Batch, Ingest, StoringPace
 from talaia.hub.live.gateways.link import GONE, GatewayLink
 from talaia.hub.live.site_state import LinkedGateway
 from talaia.model.errors import DescriptionError
@@ -146,6 +145,7 @@ class LinkService:
         self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance, self._links, self._admission = attendance, links, admission
         self._settings, self._clock = settings, clock
+        self._pace = StoringPace(settings.commit_s)
         self._flood_guard, self._places = flood_guard, places
         # Comings and goings of links are written down one after the other.
         self._parting = asyncio.Lock()
@@ -181,7 +181,7 @@ class LinkService:
         if held_s := self._flood_guard.held_s(key):
             await link.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return
-        ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
+        ingest = Ingest(self._history, site, link.send, self._pace)
         try:
             later = await self._describing.handle_hello(
                 hello, description, source, gateway=key.id, turns=self._admission
@@ -218,7 +218,7 @@ class LinkService:
         self._flood_guard.begin_link(key, gateway.issued.lineage)
         # What it says is held against the place that it has now, not the one that it has shown.
         speaker = key._replace(resumed=gateway.issued)
-        link.admit_kind = partial(self._flood_guard.admit_kind, speaker)
+        link.charge_kind = partial(self._flood_guard.charge_kind, speaker)
         live = self._attach_link(link, hello, description, gateway)
         self._attendance.record_link(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
@@ -320,63 +320,74 @@ class LinkService:
         lists: ChannelMaps,
         redescription: Redescription,
     ) -> None:
-        while (message := await link.receive_message()) is not None:
-            await link.admit_kind(frame_kind(message))
-            match message:
-                case frames.SampleBatch():
-                    batch = lists.read_batch(message)
-                    if not message.addresses:
-                        shown = lists.live_columns(batch)
-                        if message.live:
-                            end = batch.first + len(batch.columns)
-                            self._samples.publish_batch(live, shown, boot=batch.boot, end=end)
-                        else:
-                            self._samples.publish_late_batch(live, shown)
-                    ingest.enqueue_batch(batch)
-                case frames.NewestBatch():
-                    self._tell_newest(live, message, lists, ingest)
-                case frames.DescriptionUpdate():
-                    redescription.enqueue_description(message)
-                case frames.ChangeState():
-                    self._describing.receive_change_state(live, message)
-                case frames.SampleGap():
-                    ingest.enqueue_batch(message)
-                case frames.SightingReport():
-                    self._sightings.handle_report(live, message)
-                case (
-                    frames.NightState()
-                    | frames.NightPlan()
-                    | frames.RequestRevision()
-                    | frames.ObservationUpdate()
-                ):
-                    self._nights.handle_message(live, message)
-                case frames.RobotLogBatch():
-                    self._robot_log.handle_batch(live, message)
-                case frames.Beat():
-                    now_us = self._now_us()
-                    reply = frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us)
-                    link.send(reply)
-                case frames.BeatReply():
-                    link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
-                    live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
-                case frames.ResumeSaved():
-                    live.gateway.saved |= message.serial == live.gateway.issued.serial
-                case frames.AssetState():
-                    self._assets.handle_state(live.name, message)
-                case frames.ReleaseState():
-                    live.gateway.releases = message
-                case frames.Bye():
-                    return
-                case frames.Hello():
-                    raise PeerError("hello is said once, at the beginning")
-                case _:
-                    if isinstance(message, frames.Event):
-                        self._nights.handle_event(live, message)
-                    if not redescription.defers(message):
-                        self._reporting.publish_message(live, message)
+        parts = (ingest, lists, redescription)
+        await link.read_messages(partial(self._handle_message, link, live, parts))
         # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
         async with self._parting:
             await asyncio.sleep(0)
+
+    def _handle_message(
+        self,
+        link: GatewayLink,
+        live: LiveSite,
+        parts: tuple[Ingest, ChannelMaps, Redescription],
+        message: frames.FromGateway,
+    ) -> bool:
+        """Lead a message to the part that it is for; False: it was the last. Never waits."""
+        ingest, lists, redescription = parts
+        match message:
+            case frames.SampleBatch():
+                batch = lists.read_batch(message)
+                if not message.addresses:
+                    shown = lists.live_columns(batch)
+                    if message.live:
+                        end = batch.first + len(batch.columns)
+                        self._samples.publish_batch(live, shown, boot=batch.boot, end=end)
+                    else:
+                        self._samples.publish_late_batch(live, shown)
+                ingest.enqueue_batch(batch)
+            case frames.NewestBatch():
+                self._tell_newest(live, message, lists, ingest)
+            case frames.DescriptionUpdate():
+                redescription.enqueue_description(message)
+            case frames.ChangeState():
+                self._describing.receive_change_state(live, message)
+            case frames.SampleGap():
+                ingest.enqueue_batch(message)
+            case frames.SightingReport():
+                self._sightings.handle_report(live, message)
+            case (
+                frames.NightState()
+                | frames.NightPlan()
+                | frames.RequestRevision()
+                | frames.ObservationUpdate()
+            ):
+                self._nights.handle_message(live, message)
+            case frames.RobotLogBatch():
+                self._robot_log.handle_batch(live, message)
+            case frames.Beat():
+                now_us = self._now_us()
+                reply = frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us)
+                link.send(reply)
+            case frames.BeatReply():
+                link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
+                live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
+            case frames.ResumeSaved():
+                live.gateway.saved |= message.serial == live.gateway.issued.serial
+            case frames.AssetState():
+                self._assets.handle_state(live.name, message)
+            case frames.ReleaseState():
+                live.gateway.releases = message
+            case frames.Bye():
+                return False
+            case frames.Hello():
+                raise PeerError("hello is said once, at the beginning")
+            case _:
+                if isinstance(message, frames.Event):
+                    self._nights.handle_event(live, message)
+                if not redescription.defers(message):
+                    self._reporting.publish_message(live, message)
+        return True
 
     def _tell_newest(
         self, live: LiveSite, message: frames.NewestBatch, lists: ChannelMaps, ingest: Ingest

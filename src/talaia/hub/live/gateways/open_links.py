@@ -38,6 +38,9 @@ class OpenLinks:
         self._registry = registry
         # The gateway's number, by connection; it may have two: its link, and one for pictures.
         self._open: dict[OpenConnection, int] = {}
+        # Those of them whose key was good when it was looked at, and how many keys were void then.
+        self._good: set[int] = set()
+        self._void = -1
 
     @contextmanager
     def count_open(self, gateway: int, connection: OpenConnection) -> Iterator[None]:
@@ -91,9 +94,18 @@ class OpenLinks:
                 failing = False
 
     async def check_keys(self) -> None:
-        """Close the connections of gateways whose key is void."""
-        if not self._open:
-            return
+        """Close the connections of gateways whose key is void.
+
+        Of thousands it is asked only when a key has become void, and of each that is new here: it
+        may have become so while it was let in.
+        """
         known = set(self._open.values())
-        for gateway in known - await self._registry.good_keys(known):
+        if not known:
+            return
+        # Before the keys themselves: one that becomes void in between counts the next time.
+        void = await self._registry.count_void_keys()
+        asked = known if void != self._void else known - self._good
+        good = await self._registry.good_keys(asked) if asked else set()
+        for gateway in asked - good:
             self.hang_up(gateway, "its key was revoked")
+        self._good, self._void = (known - asked) | good, void

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import insert, select, update
+from sqlalchemy import func, insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
@@ -167,6 +167,11 @@ class SiteRegistry:
         """Give those of the gateways whose key is still good."""
         query = select(gateways.c.id).where(gateways.c.id.in_(numbers), gateways.c.revoked_us == 0)
         return set(await self._database.fetch_scalars(query))
+
+    async def count_void_keys(self) -> int:
+        """Count void keys: one more whenever one becomes so, for no row is ever deleted."""
+        query = select(func.count()).select_from(gateways).where(gateways.c.revoked_us != 0)
+        return (await self._database.fetch_scalars(query))[0]
 
     def _with_presence(self, row: KnownGateway) -> KnownGateway:
         return row._replace(**self.attendance.pending_columns(row.id))
