@@ -12,10 +12,9 @@ from talaia.hub.live.gateways.clock_offset import ClockOffset
 from talaia.hub.live.gateways.frame_limits import UNKNOWN, frame_kind
 from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
-from talaia.hub.live.pages.page_transport import FRAME_WRITER
 from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
-from talaia.wire.socket_frame import SocketFrame
+from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -129,7 +129,7 @@ class WaitThread:
                 take_next = UnlockedTake(handle).take_message
             except (OSError, AttributeError) as error:
                 # It costs more, and works.
-                logging.getLogger(__name__).info("large messages are taken by rclpy: %s", error)
+                log.info("large messages are taken by rclpy: %s", error)
         self._subscriptions[handle.pointer] = (handle, take_next, take)
 
     def remove_subscription(self, handle: Any) -> None:  # noqa: ANN401
