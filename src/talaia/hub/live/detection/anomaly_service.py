@@ -360,26 +360,22 @@ class AnomalyService:
     async def _tick_loop(self) -> None:
         while True:
             await asyncio.sleep(_TICK_S)
-            watching = self._watching_sites()
+            watches = ((live, self._watch_of(live)) for live in self._sites)
+            # Of thousands of sites most may have no detector.
+            watching = [(live, watch) for live, watch in watches if watch.any_runners]
             self._score_silence(watching)
             for live, watch in watching:
                 self._tell_known(live, watch)
             try:
                 await self._scores.write_waiting()
-                await self._save_detectors(
-                    _unsaved_detectors(self._of, self._saved_at, self._clock, _SAVES_A_TICK)
-                )
+                due = _unsaved_detectors(self._of, self._saved_at, self._clock, _SAVES_A_TICK)
+                await self._save_detectors(due)
             except _FAILS as error:
                 if not self._failing:
                     _LOG.warning("anomaly scores and what is learned wait: %s", error)
                 self._failing = True
             else:
                 self._failing = False
-
-    def _watching_sites(self) -> list[tuple[LiveSite, SiteWatch]]:
-        """List the sites that have detectors: of thousands most may have none."""
-        watches = ((live, self._watch_of(live)) for live in self._sites)
-        return [(live, watch) for live, watch in watches if watch.any_runners]
 
     def _score_silence(self, watching: Sequence[tuple[LiveSite, SiteWatch]]) -> None:
         """Let detectors look at the clock; while a gateway is away, nothing comes anyway."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -83,6 +83,14 @@ _FINISH_S = 1.0
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 # When a gateway is to come back whose hub has no database just now.
 STORE_AFTER_S = 2.0
+
+
+class _LinkParts(NamedTuple):
+    """What is of one link alone, and takes what its gateway says."""
+
+    ingest: Ingest
+    lists: ChannelMaps
+    redescription: Redescription
 
 
 class LinkService:
@@ -289,7 +297,7 @@ class LinkService:
         redescription = Redescription(self._describing, live, lists, ingest)
         # Whichever ends first ends the link: a hang-up, a fault, missed beats, or a dismissal.
         results = await until_first(
-            self._read_all(link, live, ingest=ingest, lists=lists, redescription=redescription),
+            self._read_all(link, live, _LinkParts(ingest, lists, redescription)),
             redescription.run(),
             self._send_beats(link, live),
             link.write_queued(),
@@ -311,27 +319,14 @@ class LinkService:
                 raise result
         await link.send_farewell(said, code)
 
-    async def _read_all(
-        self,
-        link: GatewayLink,
-        live: LiveSite,
-        *,
-        ingest: Ingest,
-        lists: ChannelMaps,
-        redescription: Redescription,
-    ) -> None:
-        parts = (ingest, lists, redescription)
+    async def _read_all(self, link: GatewayLink, live: LiveSite, parts: _LinkParts) -> None:
         await link.read_messages(partial(self._handle_message, link, live, parts))
         # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
         async with self._parting:
             await asyncio.sleep(0)
 
     def _handle_message(
-        self,
-        link: GatewayLink,
-        live: LiveSite,
-        parts: tuple[Ingest, ChannelMaps, Redescription],
-        message: frames.FromGateway,
+        self, link: GatewayLink, live: LiveSite, parts: _LinkParts, message: frames.FromGateway
     ) -> bool:
         """Lead a message to the part that it is for; False: it was the last. Never waits."""
         ingest, lists, redescription = parts
@@ -366,9 +361,8 @@ class LinkService:
             case frames.RobotLogBatch():
                 self._robot_log.handle_batch(live, message)
             case frames.Beat():
-                now_us = self._now_us()
-                reply = frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us)
-                link.send(reply)
+                mine = self._now_us()
+                link.send(frames.BeatReply(n=message.n, mono_us=message.mono_us, peer_us=mine))
             case frames.BeatReply():
                 link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
                 live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
