@@ -3,6 +3,8 @@
 To press back by not reading the link would hold up STOP, driving and beats as well. So what finds
 no room is put down as owed, and the gateway, which keeps it until it is stored, is asked for it
 again once there is room.
+
+Long, because what waits, is owed and is stored are one account.
 """
 
 from __future__ import annotations
