@@ -66,7 +66,7 @@ def test_urgent_frames_go_first() -> None:
     assert drained(one) == [ControlTick(tick=1), Event(kind="k"), b"!live", b"!old"]
 
 
-def test_a_frame_goes_at_once_where_the_socket_takes_it_and_nothing_as_urgent_waits() -> None:
+def test_live_samples_go_at_once_where_the_socket_takes_them_and_nothing_as_urgent_waits() -> None:
     one, sent, room = SendLanes(lambda: None), [], 0
 
     def write(data: bytes) -> bool:
@@ -83,16 +83,22 @@ def test_a_frame_goes_at_once_where_the_socket_takes_it_and_nothing_as_urgent_wa
     # Behind the one that waits.
     one.live(b"!third", 2, 3)
     one.backfill(b"!old")
-    one.send(ControlTick(tick=1))
-    assert sent == [b"!first", LINK_FROM_GATEWAY.encode(ControlTick(tick=1))]
+    assert sent == [b"!first"]
     assert drained(one) == [b"!second", b"!third", b"!old"]
     # What is old goes by its lane, in which it can be overtaken.
     one.backfill(b"!older")
     one.live(b"!fourth", 3, 4)
-    assert sent[2:] == [b"!fourth"]
+    assert sent[1:] == [b"!fourth"]
+    # What tells of a state is said before it and goes behind it, and samples behind both.
+    one.send(Event(kind="drive_ended"))
+    one.send(ControlTick(tick=1))
+    one.live(b"!fifth", 4, 5)
+    assert sent[2:] == []
+    told = [ControlTick(tick=1), Event(kind="drive_ended"), b"!fifth", b"!older"]
+    assert drained(one) == told
     one.link_lost()
-    one.send(Event(kind="k"))
-    assert len(sent) == 3
+    one.live(b"!sixth", 5, 6)
+    assert sent[2:] == []
 
 
 def test_results_and_events_outlive_a_lost_link_and_nothing_else_does() -> None:

@@ -1,8 +1,8 @@
 """What waits to be sent, by importance. Pure, and bounded lane by lane.
 
 A driving frame's answer never waits behind a batch of samples, and live samples never behind old
-ones. Each lane says what gives way when it is full. Where nothing waits that is as important, and
-the socket takes it, a frame does not wait at all.
+ones. Each lane says what gives way when it is full. Live samples do not wait at all where nothing
+does that is as important, and the socket takes them.
 """
 
 from __future__ import annotations
@@ -131,8 +131,7 @@ class SendLanes:
     def send(self, message: FromGateway) -> None:
         """Queue a message in the lane of its kind."""
         if isinstance(message, _COMMANDS):
-            priority = SendPriority.COMMANDS
-            lane = self._lanes[priority]
+            lane = self._lanes[SendPriority.COMMANDS]
             # Oldest first: the newest results are what people wait for.
             if len(lane) >= self.MAX_COMMANDS:
                 lane.popleft()
@@ -142,24 +141,24 @@ class SendLanes:
                 self.held_stops[message.device] = message
             return
         elif isinstance(message, _CONTROL):
-            priority = SendPriority.CONTROL
-            lane = self._lanes[priority]
+            lane = self._lanes[SendPriority.CONTROL]
             if len(lane) >= self.MAX_CONTROL:
                 lane.popleft()
-        elif isinstance(message, SightingReport):
-            priority = SendPriority.SEEN
         else:
-            priority = SendPriority.BACKFILL
-        data = LINK_FROM_GATEWAY.encode(message)
-        if not self._write_past(priority, data):
-            self._lanes[priority].append(WaitingFrame(data))
-            self._wake()
+            lane = self._lanes[
+                SendPriority.SEEN if isinstance(message, SightingReport) else SendPriority.BACKFILL
+            ]
+        lane.append(WaitingFrame(LINK_FROM_GATEWAY.encode(message)))
+        self._wake()
 
     def live(self, data: bytes, first: int, end: int) -> None:
         """Queue a batch of live samples; without a link it is the spool's matter alone."""
         if not self.linked:
             return
-        if self._write_past(SendPriority.LIVE, data):
+        # Nothing as important waits: it is sent at once, for to wake a task for each of two hundred
+        # batches a second costs as much as to send it. Messages always go by their lanes: of what
+        # is said in one turn, states go before the events that tell of them.
+        if not any(self._lanes[: SendPriority.LIVE + 1]) and self._write(data):
             return
         lane = self._lanes[SendPriority.LIVE]
         # `and lane`: a single batch that is larger than the bound still goes out.
@@ -176,16 +175,6 @@ class SendLanes:
         lane.append(WaitingFrame(data, first, end))
         self._live_bytes += len(data)
         self._wake()
-
-    def _write_past(self, priority: SendPriority, data: bytes) -> bool:
-        """Send a frame at once if none waits that is as important; tell whether it was sent.
-
-        To wake a task for each costs as much as to send it.
-        """
-        # What nobody waits for goes by its lane, in which it may be overtaken.
-        if priority > SendPriority.LIVE or any(self._lanes[: priority + 1]):
-            return False
-        return self._write(data)
 
     def newest(self, data: bytes) -> None:
         """Queue the newest samples, before all that is heard from here on."""
