@@ -50,23 +50,6 @@ async def feed(ingest: Ingest, count: int, size: int = 1) -> None:
         await asyncio.sleep(0)
 
 
-async def test_what_comes_while_a_commit_is_made_is_gathered_for_the_next_one() -> None:
-    history, told = SlowHistory(), []
-    ingest = Ingest(cast("History", history), "site", told.append, StoringPace(0.05))
-    storing = asyncio.create_task(ingest.run())
-    ingest.enqueue_batch(batch(0))
-    await history.began.wait()
-    for number in range(1, 40):
-        ingest.enqueue_batch(batch(number))
-        await asyncio.sleep(0)
-    ingest.finish_storing()
-    await storing
-    assert sum(count for _, count in history.stored) == 40
-    # Without it each would be followed by one of what came in three turns.
-    assert len(history.stored) < 8
-    assert told[-1] == Ack(boot="run", below=40)
-
-
 async def test_who_catches_up_is_stored_without_gathering() -> None:
     history, all_told = SlowHistory(), asyncio.Event()
 

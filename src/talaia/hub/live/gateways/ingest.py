@@ -177,12 +177,11 @@ class Ingest:
             await self._news.wait()
             self._news.clear()
             self._paced = False
-            # What comes while this is stored is gathered anew: batches come every few milliseconds,
-            # and each commit would be followed at once by one of two or three of them.
-            due = len(self._waiting)
-            while self._waiting and (due > 0 or self._ending or self._samples >= _MANY):
+            # What comes meanwhile is stored at once, behind it: to gather it anew saves the hub a
+            # third, and what is shown came up to 5 ms later then.
+            while self._waiting:
                 try:
-                    due -= await self._store_some()
+                    await self._store_some()
                 except (SQLAlchemyError, TalaiaError, OSError):
                     if not failing:
                         _LOG.exception("samples of %s cannot be stored; they wait", self._site)
@@ -204,8 +203,8 @@ class Ingest:
             self._paced = True
             self._pace.set_soon(self._news)
 
-    async def _store_some(self) -> int:
-        """Store what waits, as much as one commit takes; give how many batches and gaps it was."""
+    async def _store_some(self) -> None:
+        """Store what waits, as much as one commit takes."""
         first = self._waiting[0]
         # Nothing is stored beside it: what follows has the new addresses.
         if isinstance(first, Renaming):
@@ -213,7 +212,7 @@ class Ingest:
             # Only when it is done: after a failure it is still the first.
             self._waiting.popleft()
             first.done.set()
-            return 1
+            return
         if isinstance(first, SampleGap):
             taken: list[Batch | SampleGap] = [first]
             spans = [(first.boot, first.first, first.last + 1)]
@@ -248,7 +247,6 @@ class Ingest:
             runs[boot].add_stored(begin, end)
         for boot, run in runs.items():
             self._tell(Ack(boot=boot, below=run.below))
-        return len(taken)
 
     async def _append_pieces(self, pieces: list[list[Batch]]) -> None:
         # Nearly always: a task for it would take longer than all else here.
