@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import struct
+from typing import TYPE_CHECKING
 
-__all__ = ["FRAME_WRITER", "SocketFrame"]
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = ["FRAME_WRITER", "SocketFrame", "frame_writer_of"]
 
 # The extension of ASGI by which a `SocketFrame` is written at once: {"write": a function that
 # gives False where it cannot, and has done nothing then}.
@@ -45,6 +49,13 @@ class SocketFrame:
         if self._framed is None:
             self._framed = _frame_message(self.data)
         return self._framed
+
+
+def frame_writer_of(
+    extensions: Mapping[str, Mapping[str, Callable[[SocketFrame], bool]]],
+) -> Callable[[SocketFrame], bool] | None:
+    """Give the function that `FRAME_WRITER` offers among a socket's ASGI extensions, or none."""
+    return extensions.get(FRAME_WRITER, {}).get("write")
 
 
 def _frame_message(data: bytes | str) -> bytes:

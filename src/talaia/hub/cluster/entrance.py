@@ -11,7 +11,7 @@ from talaia.hub.cluster.frames import FrameKind, TunnelFrame
 from talaia.hub.cluster.requests import lane_of, pack_scope
 from talaia.hub.cluster.shared_frames import read_shared
 from talaia.hub.cluster.tunnel import TunnelBroken, TunnelEnd, TunnelName
-from talaia.wire.socket_frame import FRAME_WRITER
+from talaia.wire.socket_frame import frame_writer_of
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -69,10 +69,8 @@ class Entrance:
         if lead is None or len(self._open) >= _MOST_OPEN:
             raise NoLead("no hub leads just now")
         name = TunnelName(lead, next(self._numbers))
-        writer = scope.get("extensions", {}).get(FRAME_WRITER)
-        tunnel = TunnelEnd(
-            name, lane_of(scope), scope["type"], post=self._post, write=writer and writer["write"]
-        )
+        write = frame_writer_of(scope.get("extensions", {}))
+        tunnel = TunnelEnd(name, lane_of(scope), scope["type"], post=self._post, write=write)
         self._open[name] = tunnel
         if scope["path"] == "/gateway/link":
             self._gateways.add(name)

@@ -14,7 +14,7 @@ from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
 from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
-from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
+from talaia.wire.socket_frame import SocketFrame, frame_writer_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,7 +61,7 @@ class GatewayLink:
         self._wake = asyncio.Event()
         # The writing task has nothing in its hands: what is said now may be written at once.
         self._idle = False
-        self._write_frame = _extension(socket, FRAME_WRITER, "write")
+        self._write_frame = frame_writer_of(socket.scope.get("extensions", {}))
         # Deals with what comes. Whoever reads the queue waits for it, with nothing in its hands:
         # then what comes may pass it by.
         self._handle: Callable[[FromGateway], bool] = lambda _: False
@@ -115,9 +115,9 @@ class GatewayLink:
 
         """
         self._handle = handle
-        begin = _extension(self._socket, MESSAGE_TAKER, "begin")
-        if begin is not None:
-            begin(self._take_at_once)
+        taking = self._socket.scope.get("extensions", {}).get(MESSAGE_TAKER)
+        if taking is not None:
+            taking["begin"](self._take_at_once)
         try:
             while True:
                 self._resting = True
@@ -173,7 +173,7 @@ class GatewayLink:
         if self._write_frame is None:
             return False
         try:
-            return bool(self._write_frame(SocketFrame(LINK_FROM_HUB.encode(message))))
+            return self._write_frame(SocketFrame(LINK_FROM_HUB.encode(message)))
         except GONE:
             # Whoever writes what is queued will find that, too.
             return False
@@ -208,11 +208,3 @@ class GatewayLink:
                 await self._socket.close(code)
         except GONE:
             return
-
-
-def _extension(socket: WebSocket, name: str, function: str) -> Callable[..., object] | None:
-    """Give a function that our server offers beside ASGI; none: it is another's."""
-    offered: Callable[..., object] | None = (
-        socket.scope.get("extensions", {}).get(name, {}).get(function)
-    )
-    return offered

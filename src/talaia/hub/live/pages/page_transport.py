@@ -11,7 +11,7 @@ from talaia.hub.policy import BY_DISPLAY, NOT_BY_SCRIPT
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, PageLease, RequestError
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LeaseOp
-from talaia.wire.socket_frame import FRAME_WRITER, SocketFrame
+from talaia.wire.socket_frame import SocketFrame, frame_writer_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -91,8 +91,7 @@ class SocketTransport:
         self._text = text
         self._script = script
         self._display = display
-        writer = socket.scope.get("extensions", {}).get(FRAME_WRITER)
-        self._writer: Callable[[SocketFrame], bool] | None = writer and writer["write"]
+        self._writer = frame_writer_of(socket.scope.get("extensions", {}))
 
     @property
     def form(self) -> str:
