@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.storage import Storage
+    from talaia.hub.sharding.plan import ShardPlan
     from talaia.hub.store.database import Database
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
@@ -36,6 +37,7 @@ __all__ = [
     "ClusterSeat",
     "DetectorSink",
     "History",
+    "Shard",
     "SharedCause",
     "SightingEvent",
     "SightingSink",
@@ -209,6 +211,16 @@ class ClusterSeat(Protocol):
     """This hub's place among several on one database."""
 
     @property
+    def shard(self) -> str:
+        """The shard whose lead this seat is for."""
+        ...
+
+    @property
+    def plan(self) -> ShardPlan:
+        """Which shards there are besides the main one."""
+        ...
+
+    @property
     def connected(self) -> bool:
         """Whether the hubs can hear each other."""
         ...
@@ -232,6 +244,43 @@ class ClusterSeat(Protocol):
 
     def heard_hubs(self) -> Iterable[tuple[HubNotice, int]]:
         """Give how the others stand, and when each was heard last (monotonic ns)."""
+        ...
+
+
+class Shard(Protocol):
+    """Which sites are this hub's own, where they are divided among several leads.
+
+    Attributes:
+        name: ``main``, or the name of the history server whose sites these are.
+        is_main: it has the accounts, and does what is done once for all sites.
+        is_whole: sites are not divided: there is only this shard.
+
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102 - above
+
+    @property
+    def is_main(self) -> bool: ...  # noqa: D102 - above
+
+    @property
+    def is_whole(self) -> bool: ...  # noqa: D102 - above
+
+    async def open(self) -> None:
+        """Read which sites are whose; called once, when the tables are up to date."""
+        ...
+
+    def has_site(self, site: str) -> bool:
+        """Tell whether a site is of this shard, by what is known."""
+        ...
+
+    async def look_up(self, site: str) -> bool:
+        """Tell whether a site is of this shard; asks the database about one that is new.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
         ...
 
 

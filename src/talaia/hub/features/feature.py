@@ -13,7 +13,10 @@ from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
 from talaia.hub.live.taps.tap_fanout import TapFanout
 from talaia.hub.policy import ROUTES_OF
+from talaia.hub.sharding.own_shard import OwnShard
+from talaia.hub.sharding.plan import WholeShard
 from talaia.hub.store.database import Database
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping, Sequence
@@ -23,7 +26,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
     from talaia.hub.policy import AccessNeed
-    from talaia.hub.ports import ClusterSeat
+    from talaia.hub.ports import ClusterSeat, Shard
     from talaia.hub.settings import Settings
 
 __all__ = ["BackgroundTask", "Core", "Feature"]
@@ -36,6 +39,7 @@ class Core:
         settings: of this hub.
         clock: the time.
         seat: this hub's place among several; none: it is alone.
+        shard: which sites are this hub's own.
         on_connect: looks at each new connection to the database; none: nobody need.
         database: for all that is kept, but the history.
         sites: the sites as they are now.
@@ -62,6 +66,9 @@ class Core:
         self.seat = seat
         self.on_connect = None if seat is None else seat.check_connection
         self.database = Database(settings.url, on_connect=self.on_connect)
+        self.shard: Shard = WholeShard()
+        if seat is not None and seat.plan.names:
+            self.shard = OwnShard(seat.shard, seat.plan, HistoryHomes(self.database))
         self.sites = Sites()
         self.browsers = Browsers()
         self.fanout = Fanout(self.sites, clock, settings.linger_s)
@@ -97,6 +104,7 @@ class Core:
         if self.seat is not None:
             purpose = "which hubs belong together"
             await self.seat.claim_lead(self.database, self.secret_box().derive_key(purpose).hex())
+        await self.shard.open()
 
     async def close(self) -> None:
         """Close the database."""
