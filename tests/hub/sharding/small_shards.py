@@ -46,6 +46,7 @@ class ShardEnd:
         self.left = asyncio.Event()
         self._send = send
         self._text = text
+        self._error = None
         self._ends = asyncio.Event()
 
     async def accept(self) -> None:
@@ -66,14 +67,17 @@ class ShardEnd:
         await self._send({"type": "websocket.close", "code": code})
         self._ends.set()
 
-    def break_off(self) -> None:
-        """End without a word."""
+    def break_off(self, error: Exception | None = None) -> None:
+        """End without a word, or fail."""
+        self._error = error
         self._ends.set()
 
     async def serve(self, receive) -> None:
         hearing = asyncio.create_task(self._hear(receive))
         await self._ends.wait()
         hearing.cancel()
+        if self._error is not None:
+            raise self._error
 
     async def _hear(self, receive) -> None:
         while (event := await receive())["type"] != "websocket.disconnect":
@@ -172,6 +176,7 @@ class SmallPage:
         await self.reads.wait()
         if message["type"] == "websocket.send":
             data = message.get("bytes")
+            assert (data is None) == self.text
             await self.heard.add(TO_BROWSER.decode(message["text"] if data is None else data))
         else:
             await self.answer.add(message)

@@ -122,7 +122,8 @@ async def test_each_shard_gets_the_page_s_own_request_without_what_is_the_server
 
 async def test_what_cannot_be_read_is_answered_by_the_main_shard(world) -> None:
     page, main, east, west = await world.joined()
-    too_long = FROM_BROWSER.encode(stop("a" * FROM_BROWSER.max_frame))
+    long = PageStop(site="agv", device="base", id="1" * FROM_BROWSER.max_frame)
+    too_long = FROM_BROWSER.encode(long)
     for data in (b"\xc1", b"", b"\x81\xa4site\xa3agv", too_long):
         page.say_data({"bytes": data})
         assert await main.unread.take() == data
@@ -232,11 +233,15 @@ class TestAdmission:
         with pytest.raises(ConnectionError, match="no hub leads"):
             await world.page().serving
 
+    @pytest.mark.parametrize("how", ["closes", "raises"])
     async def test_a_main_shard_that_breaks_off_sends_the_page_away_to_come_again(
-        self, world
+        self, world, how
     ) -> None:
         page, main, east, _ = await world.joined()
-        await main.close(1012)
+        if how == "closes":
+            await main.close(1012)
+        else:
+            main.break_off(ConnectionError("the hub that leads is gone"))
         assert await page.closed() == 1012
         async with asyncio.timeout(PATIENCE_S):
             await east.left.wait()
@@ -271,9 +276,9 @@ class TestAdmission:
 class TestAShardThatBreaks:
     """The page stays, and sees that nothing is known of its sites."""
 
-    @pytest.mark.parametrize("how", ["closes", "ends"])
-    async def test_its_sites_are_said_to_be_away_at_once(self, world, how) -> None:
-        page, _, east, west = await world.joined()
+    @pytest.mark.parametrize(("how", "text"), [("closes", False), ("ends", True)])
+    async def test_its_sites_are_said_to_be_away_at_once(self, world, how, text) -> None:
+        page, _, east, west = await world.joined(text=text)
         for end, site in ((east, "agv"), (east, "agv"), (west, "arm")):
             await end.say(online(site, "c7"))
             await page.hear(SiteUpdate)
