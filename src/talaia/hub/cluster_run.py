@@ -19,11 +19,10 @@ from talaia.hub.api.static_pages import Pages
 from talaia.hub.history.servers.server_file import read_history_servers
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.shard_seat import SeatRules, ShardSeat, answer_response
-from talaia.hub.sharding.directory import ShardDirectory
 from talaia.hub.sharding.plan import MAIN, ShardPlan
-from talaia.hub.sharding.router import ShardRouter
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.lead.lead_lock import mark_apart
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
@@ -90,7 +89,11 @@ class ClusterHub:
         self._led_on: ASGIApp = self._main
         self._looked_up: Database | None = None
         if named and plan.names:
-            self._looked_up = Database(settings.url)
+            # Only here: hubs of which one leads all sites import nothing of it.
+            from talaia.hub.sharding.directory import ShardDirectory
+            from talaia.hub.sharding.router import ShardRouter
+
+            self._looked_up = Database(settings.url, on_connect=mark_apart(settings.url))
             homes = HistoryHomes(self._looked_up)
             directory = ShardDirectory(self._looked_up, homes, plan, named.first_home)
             self._led_on = ShardRouter(self.seats, directory)

@@ -22,9 +22,9 @@ from talaia.hub.cluster.member import ClusterMember
 from talaia.hub.cluster.nats_bus import NatsBus
 from talaia.hub.errors import HubError
 from talaia.hub.sharding.plan import MAIN
+from talaia.hub.store.lead.hub_plan import agree_on_plan
 from talaia.hub.store.lead.lead_claim import claim_lead
 from talaia.hub.store.lead.lead_lock import LOOK_S, LeadLock
-from talaia.hub.store.lead.shard_plan import agree_on_plan
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterable, Iterator
@@ -119,8 +119,8 @@ class ShardSeat:
             taken=self._take_lead,
             lost=self._lose_lead,
             shard=shard,
-            plan=plan,
-            may_take=self._may_take,
+            shards=plan.names,
+            may_take=self._may_take if plan.names else None,
         )
         self.member.database_ms = lambda: self._lock.answered_ms
         self._waiting = LeadWait(self._has_lead, self._expects_lead)
@@ -169,7 +169,7 @@ class ShardSeat:
 
     async def claim_lead(self, database: Database, seal_hash: str) -> None:
         """Write down that this hub leads now."""
-        await agree_on_plan(database, self.plan, shard=self.shard)
+        await agree_on_plan(database, self.plan.names, shard=self.shard)
         self._epoch = await claim_lead(
             database, shard=self.shard, name=self.settings.hub_name, seal_hash=seal_hash
         )

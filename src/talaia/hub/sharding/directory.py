@@ -152,7 +152,8 @@ class ShardDirectory:
     async def _count_sites(self) -> dict[str, int]:
         query = select(history_homes.c.server, func.count()).group_by(history_homes.c.server)
         async with self._database.read() as connection:
-            return {server: count for server, count in (await connection.execute(query)).all()}
+            rows = (await connection.execute(query)).all()
+        return {row[0]: row[1] for row in rows}
 
     async def _fetch_servers(self, names: Collection[str]) -> dict[str, str]:
         rows = await self._fetch_rows((history_homes.c.site, history_homes.c.server), names)

@@ -49,10 +49,10 @@ class WholeShard:
     async def open(self) -> None:
         """Do nothing: there is nothing to know."""
 
-    def has_site(self, site: str) -> bool:  # noqa: ARG002 - as `Shard` has it
+    def has_site(self, site: str) -> bool:
         """Tell that it has the site."""
         return True
 
-    async def look_up(self, site: str) -> bool:  # noqa: ARG002 - as `Shard` has it
+    async def look_up(self, site: str) -> bool:
         """Tell that it has the site."""
         return True
