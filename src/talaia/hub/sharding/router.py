@@ -12,7 +12,7 @@ from talaia.hub.sharding.page_join import PageJoin
 from talaia.hub.sharding.plan import MAIN
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Awaitable, Mapping
 
     from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -29,7 +29,7 @@ class ShardRouter:
         """Lead to ``apps``, by the shard's name; ``directory`` says which site is whose."""
         self._apps = apps
         self._directory = directory
-        self._join = PageJoin(apps, directory.find_shard)
+        self._join = PageJoin(apps, self._shard_of)
         self._lists = MergedLists(apps)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -45,6 +45,10 @@ class ShardRouter:
             await self._lists.serve(scope, receive, send)
         else:
             await self._apps[await self._find_shard(address)](scope, receive, send)
+
+    def _shard_of(self, site: str) -> Awaitable[str] | str:
+        # At once where it is known: driving frames are led by it.
+        return self._directory.known_shard(site) or self._directory.find_shard(site)
 
     async def _find_shard(self, address: Address) -> str:
         # What is about no site that is known is the main shard's to answer. So it is while the
