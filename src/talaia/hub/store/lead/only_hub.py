@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import threading
-from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from talaia.hub.errors import CannotStart
+from talaia.hub.store.dialects.lead_words import MAIN_SHARD
 from talaia.hub.store.lead.lead_lock import LeadLock
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator, Callable, Sequence
 
 __all__ = ["hold_only_hub"]
 
@@ -21,16 +22,30 @@ _WAIT_S = 5.0
 _LOOK_S = 1.0
 
 
-@asynccontextmanager
-async def hold_only_hub(url: str, lost: Callable[[], None]) -> AsyncIterator[None]:
+@contextlib.asynccontextmanager
+async def hold_only_hub(
+    url: str, lost: Callable[[], None], *, shards: Sequence[str] = ()
+) -> AsyncIterator[None]:
     """Have a server's database alone; ``lost`` is called, in a thread, when another one has it.
+
+    ``shards``: those that hubs have agreed on, for a command that has them all.
 
     Raises:
         CannotStart: another hub uses it.
 
     """
+    async with contextlib.AsyncExitStack() as held:
+        for shard in (MAIN_SHARD, *shards):
+            await held.enter_async_context(_hold_lock(url, lost, shard=shard, shards=shards))
+        yield
+
+
+@contextlib.asynccontextmanager
+async def _hold_lock(
+    url: str, lost: Callable[[], None], *, shard: str, shards: Sequence[str]
+) -> AsyncIterator[None]:
     taken = threading.Event()
-    lock = LeadLock(url, taken=taken.set, lost=lost, look_s=_LOOK_S)
+    lock = LeadLock(url, taken=taken.set, lost=lost, look_s=_LOOK_S, shard=shard, shards=shards)
     lock.start_looking()
     try:
         await asyncio.to_thread(lock.tried.wait)
