@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import (
@@ -10,10 +10,12 @@ if TYPE_CHECKING:
         AsyncIterator,
         Collection,
         Iterable,
+        Iterator,
         Mapping,
         Sequence,
     )
 
+    from sqlalchemy import ColumnElement
     from sqlalchemy.engine.interfaces import DBAPIConnection
 
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
@@ -35,6 +37,8 @@ __all__ = [
     "AnomalySink",
     "CauseSink",
     "ClusterSeat",
+    "DescribedSite",
+    "DescribedSites",
     "DetectorSink",
     "History",
     "Shard",
@@ -254,6 +258,8 @@ class Shard(Protocol):
         name: ``main``, or the name of the history server whose sites these are.
         is_main: it has the accounts, and does what is done once for all sites.
         is_whole: sites are not divided: there is only this shard.
+        suffix: ends names of what each shard has for itself where others look, too: files in a
+            data folder, connections at a broker; empty for the main one.
 
     """
 
@@ -265,6 +271,9 @@ class Shard(Protocol):
 
     @property
     def is_whole(self) -> bool: ...  # noqa: D102 - above
+
+    @property
+    def suffix(self) -> str: ...  # noqa: D102 - above
 
     async def open(self) -> None:
         """Read which sites are whose; called once, when the tables are up to date."""
@@ -281,6 +290,48 @@ class Shard(Protocol):
             StoreDown: the database does not answer.
 
         """
+        ...
+
+    async def refresh(self) -> None:
+        """Read again which sites are whose, so that `has_site` knows those that have come since.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        ...
+
+    def own_rows(self, site: ColumnElement[Any], /) -> tuple[ColumnElement[bool], ...]:
+        """Say in SQL which rows are of own sites, by a column of the accounts' database.
+
+        It holds at the moment of the query, whatever `has_site` knows; empty: all are.
+        """
+        ...
+
+
+class DescribedSite(Protocol):
+    """A site as it is described; nothing of how it stands."""
+
+    @property
+    def name(self) -> str:
+        """Its short name."""
+        ...
+
+    @property
+    def description(self) -> Site:
+        """What its gateway said last."""
+        ...
+
+
+class DescribedSites(Protocol):
+    """All sites that this hub's database knows, those of other shards among them."""
+
+    def __iter__(self) -> Iterator[DescribedSite]:
+        """Go through them in the order of their names."""
+        ...
+
+    def find_site(self, name: str) -> DescribedSite | None:
+        """Find one by its short name."""
         ...
 
 

@@ -10,6 +10,7 @@ from talaia.hub.auth.resume_tokens import ResumeTokens
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.live.pages.fanout import Fanout
 from talaia.hub.live.pages.page_connections import Browsers
+from talaia.hub.live.site_mirror import SiteMirror
 from talaia.hub.live.sites import Sites
 from talaia.hub.live.taps.tap_fanout import TapFanout
 from talaia.hub.policy import ROUTES_OF
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
     from talaia.hub.policy import AccessNeed
-    from talaia.hub.ports import ClusterSeat, Shard
+    from talaia.hub.ports import ClusterSeat, DescribedSites, Shard
     from talaia.hub.settings import Settings
 
 __all__ = ["BackgroundTask", "Core", "Feature"]
@@ -43,7 +44,8 @@ class Core:
         shard: which sites are this hub's own.
         on_connect: looks at each new connection to the database; none: nobody need.
         database: for all that is kept, but the history.
-        sites: the sites as they are now.
+        sites: this hub's own sites as they are now.
+        known_sites: what is described, also of sites of other shards where this is the main one.
         browsers: the pages that are connected now.
         fanout: who of them gets which live values.
         taps: who gets which raw topics of robots.
@@ -71,6 +73,9 @@ class Core:
         if seat is not None and seat.plan.names:
             self.shard = OwnShard(seat.shard, seat.plan, HistoryHomes(self.database))
         self.sites = Sites()
+        self.known_sites: DescribedSites = self.sites
+        if self.shard.is_main and not self.shard.is_whole:
+            self.known_sites = SiteMirror(self.sites, self.shard, self.database)
         self.browsers = Browsers()
         self.fanout = Fanout(self.sites, clock, settings.linger_s)
         self.taps = TapFanout(self.sites, clock)

@@ -46,6 +46,7 @@ class HistoryFeature(Feature):
             registry=registry,
             versions=Descriptions(core.database, core.clock),
             history=self.store,
+            shard=core.shard,
             clock=core.clock,
         )
         self.routers = [HistoryPages(self.store).make_router()]

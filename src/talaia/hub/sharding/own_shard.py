@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import select
 
 from talaia.hub.sharding.plan import MAIN
+from talaia.hub.store.history_servers.home_tables import history_homes
 
 if TYPE_CHECKING:
+    from sqlalchemy import ColumnElement
+
     from talaia.hub.sharding.plan import ShardPlan
     from talaia.hub.store.history_servers.history_homes import HistoryHomes
 
@@ -26,6 +31,7 @@ class OwnShard:
         """Be the shard ``name`` of ``plan``; ``homes`` says which server has which site."""
         self.name = name
         self.is_main = name == MAIN
+        self.suffix = "" if self.is_main else f"-{name}"
         self._plan = plan
         self._homes = homes
         # By site: the shard, of those that have a row.
@@ -33,6 +39,15 @@ class OwnShard:
 
     async def open(self) -> None:
         """Read where all sites are.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        await self.refresh()
+
+    async def refresh(self) -> None:
+        """Read it again: other hubs write where new sites are.
 
         Raises:
             StoreDown: the database does not answer.
@@ -57,3 +72,10 @@ class OwnShard:
             if home is not None:
                 self._known[site] = self._plan.shard_of_server(home.server)
         return self.has_site(site)
+
+    def own_rows(self, site: ColumnElement[Any], /) -> tuple[ColumnElement[bool], ...]:
+        """Say in SQL which rows are of own sites; see `talaia.hub.ports.Shard`."""
+        homes = select(history_homes.c.site)
+        if self.is_main:
+            return (site.not_in(homes.where(history_homes.c.server.in_(self._plan.names))),)
+        return (site.in_(homes.where(history_homes.c.server == self.name)),)

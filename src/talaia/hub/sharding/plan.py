@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from talaia.hub.store.own_rows import every_row
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from sqlalchemy import ColumnElement
 
 __all__ = ["MAIN", "ShardPlan", "WholeShard"]
 
@@ -45,14 +49,22 @@ class WholeShard:
     name = MAIN
     is_main = True
     is_whole = True
+    suffix = ""
 
     async def open(self) -> None:
         """Do nothing: there is nothing to know."""
 
-    def has_site(self, site: str) -> bool:  # noqa: ARG002 - as `Shard` has it
+    def has_site(self, site: str) -> bool:
         """Tell that it has the site."""
         return True
 
-    async def look_up(self, site: str) -> bool:  # noqa: ARG002 - as `Shard` has it
+    async def look_up(self, site: str) -> bool:
         """Tell that it has the site."""
         return True
+
+    async def refresh(self) -> None:
+        """Do nothing: there is nothing to know."""
+
+    def own_rows(self, site: ColumnElement[Any], /) -> tuple[ColumnElement[bool], ...]:
+        """Leave no row out."""
+        return every_row(site)

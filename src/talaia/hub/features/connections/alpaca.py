@@ -33,7 +33,8 @@ class AlpacaFeature(Feature):
             CannotStart: the file of the settings cannot be used.
 
         """
-        if core.settings.alpaca is None:
+        # One address, so one of several shards answers there: of the sites that the main one has.
+        if core.settings.alpaca is None or not core.shard.is_main:
             return
         settings = read_alpaca_serving(core.settings.alpaca)
 

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection
     from sqlalchemy.engine.interfaces import DBAPIConnection
 
+    from talaia.hub.store.database_url import OnConnect
     from talaia.hub.store.dialects.lead_words import LeadWords
 
-__all__ = ["LeadLock"]
+__all__ = ["LeadLock", "mark_apart"]
 
 _LOG = logging.getLogger(__name__)
 # Between two looks of a hub that waits (s).
@@ -47,6 +48,26 @@ SILENT_S = 3.0
 # Sessions that were ended are waited for so long (s).
 _ENDING_S = 3.0
 _FAILURES = (SQLAlchemyError, OSError)
+
+
+def mark_apart(url: str) -> OnConnect:
+    """Give a listener for ``connect`` by which connections are no lead's: none ends with one.
+
+    Raises:
+        StoreError: the URL cannot be read.
+
+    """
+    words = parse_database_url(url).dialect.lead
+
+    def mark(connection: DBAPIConnection, _record: object) -> None:
+        if words is not None and words.divide(MAIN_SHARD).apart:
+            cursor = connection.cursor()
+            try:
+                cursor.execute(words.divide(MAIN_SHARD).apart)
+            finally:
+                cursor.close()
+
+    return mark
 
 
 class LeadLock:

@@ -33,6 +33,7 @@ from talaia.hub.store.observing.request_rows import (
 )
 from talaia.hub.store.observing.revisions import raise_revision, read_revision
 from talaia.hub.store.observing_tables import observing_requests, request_groups, request_log
+from talaia.hub.store.own_rows import every_row
 from talaia.model.observing.states import FINAL_REQUEST_STATES, RequestState
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
+    from talaia.hub.store.own_rows import OwnRows
 
 __all__ = ["RequestStore"]
 
@@ -49,9 +51,10 @@ __all__ = ["RequestStore"]
 class RequestStore:
     """Rows of groups and requests."""
 
-    def __init__(self, database: Database, clock: Clock) -> None:
-        """Work on ``database``; ``clock`` stamps what happens."""
+    def __init__(self, database: Database, clock: Clock, own: OwnRows = every_row) -> None:
+        """Work on ``database``; ``clock`` stamps what happens. Only ``own`` sites' ones end."""
         self._database = database
+        self._own = own
         self._clock = clock
 
     async def add_group(
@@ -271,11 +274,12 @@ class RequestStore:
         return ended
 
     async def expire_requests(self, limit: int = 500) -> list[EndedRequest]:
-        """End those pending whose last window is over, up to ``limit``; give them."""
+        """End those of own sites whose last window is over, up to ``limit``; give them."""
         now_us, ended = self._now_us(), []
         over = (
             observing_requests.c.state == RequestState.PENDING.value,
             observing_requests.c.end_us < now_us,
+            *self._own(observing_requests.c.site),
         )
         ids = select(observing_requests.c.id, request_groups.c.user_id).join(
             request_groups, request_groups.c.id == observing_requests.c.group_id
