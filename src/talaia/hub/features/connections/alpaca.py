@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.hub.clients.alpaca.served_settings import read_alpaca_serving
@@ -33,8 +34,7 @@ class AlpacaFeature(Feature):
             CannotStart: the file of the settings cannot be used.
 
         """
-        # One address, so one of several shards answers there: of the sites that the main one has.
-        if core.settings.alpaca is None or not core.shard.is_main:
+        if core.settings.alpaca is None:
             return
         settings = read_alpaca_serving(core.settings.alpaca)
 
@@ -53,4 +53,11 @@ class AlpacaFeature(Feature):
             hosts=core.settings.host_names,
         )
         service = AlpacaService(settings, parts, check_s=core.settings.check_s)
-        self.tasks = [BackgroundTask(name="serve Alpaca", run=service.run)]
+
+        async def serve_own() -> None:
+            # One address for one site: of several shards that one listens which has it.
+            while not core.shard.is_whole and core.sites.find_site(settings.site) is None:
+                await asyncio.sleep(core.settings.check_s)
+            await service.run()
+
+        self.tasks = [BackgroundTask(name="serve Alpaca", run=serve_own)]
