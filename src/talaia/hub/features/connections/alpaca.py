@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.hub.clients.alpaca.served_settings import read_alpaca_serving
@@ -42,6 +41,10 @@ class AlpacaFeature(Feature):
             alive = await access.who_of_token(token)
             return alive.who if alive is not None else None
 
+        def is_here() -> bool:
+            # One address for one site: of several shards that one listens which has it.
+            return core.shard.is_whole or core.sites.find_site(settings.site) is not None
+
         parts = ServiceParts(
             connections=clients.connections,
             protocols=clients.protocols,
@@ -50,14 +53,8 @@ class AlpacaFeature(Feature):
             audit=audit,
             clock=core.clock,
             who_of_token=who_of_token,
+            is_here=is_here,
             hosts=core.settings.host_names,
         )
         service = AlpacaService(settings, parts, check_s=core.settings.check_s)
-
-        async def serve_own() -> None:
-            # One address for one site: of several shards that one listens which has it.
-            while not core.shard.is_whole and core.sites.find_site(settings.site) is None:
-                await asyncio.sleep(core.settings.check_s)
-            await service.run()
-
-        self.tasks = [BackgroundTask(name="serve Alpaca", run=serve_own)]
+        self.tasks = [BackgroundTask(name="serve Alpaca", run=service.run)]
