@@ -233,19 +233,6 @@ class TestAdmission:
         with pytest.raises(ConnectionError, match="no hub leads"):
             await world.page().serving
 
-    @pytest.mark.parametrize("how", ["closes", "raises"])
-    async def test_a_main_shard_that_breaks_off_sends_the_page_away_to_come_again(
-        self, world, how
-    ) -> None:
-        page, main, east, _ = await world.joined()
-        if how == "closes":
-            await main.close(1012)
-        else:
-            main.break_off(ConnectionError("the hub that leads is gone"))
-        assert await page.closed() == 1012
-        async with asyncio.timeout(PATIENCE_S):
-            await east.left.wait()
-
     @pytest.mark.parametrize("fault", ["error", "denies", "opens"])
     async def test_another_shard_that_is_away_keeps_nobody_away_and_is_asked_again(
         self, world, fault
@@ -334,7 +321,7 @@ class TestAShardThatBreaks:
         self, world
     ) -> None:
         page, _, east, _ = await world.joined()
-        for sub in range(257):
+        for sub in range(513):
             page.say(subscribe(sub, "agv"))
             await east.heard.take()
         await east.close(1012)
@@ -347,6 +334,59 @@ class TestAShardThatBreaks:
         page.say(stop("arm"))
         assert await west.heard.take() == stop("arm")
         assert "a fault in the program" in caplog.text
+
+
+class TestTheMainShardAway:
+    """Whoever is in stays, and goes on with the sites of the others."""
+
+    @pytest.mark.parametrize(("how", "text"), [("closes", False), ("raises", True)])
+    async def test_its_own_sites_are_away_and_pings_are_answered_by_its_clock(
+        self, world, how, text
+    ) -> None:
+        page, main, east, _ = await world.joined(text=text)
+        page.say(subscribe(1, "lab"))
+        await main.heard.take()
+        await main.say(online("lab"))
+        await page.hear(SiteUpdate)
+        ahead_us = 10**15
+        await main.say(PagePong(n=1, at_ms=1.0, hub_us=ahead_us))
+        await page.hear(PagePong)
+        world.main.opens.clear()
+        if how == "closes":
+            await main.close(1012)
+        else:
+            main.break_off(ConnectionError("the hub that leads is gone"))
+        told = await page.hear(SiteUpdate)
+        assert (told.site, told.away) == ("lab", True)
+        page.say(PagePing(n=2, at_ms=2.0))
+        pong = await page.hear(PagePong)
+        assert (pong.n, pong.at_ms) == (2, 2.0)
+        assert ahead_us <= pong.hub_us < ahead_us + PATIENCE_S * 1e6
+        page.say(stop("agv"))
+        assert await east.heard.take(lambda said: isinstance(said, PageStop)) == stop("agv")
+        page.say(stop("lab"))
+        assert (await page.hear(RequestError)).code == "offline"
+        world.main.opens.set()
+        back = await world.main.end()
+        assert await back.heard.take() == subscribe(1, "lab")
+        # The page is not greeted anew: it would begin anew.
+        await back.say(online("lab"))
+        async with nothing_more(page):
+            assert (await page.hear(SiteUpdate)).online
+
+    async def test_one_whose_session_it_knows_no_more_comes_again_to_hear_so(self, world) -> None:
+        page, main, *_ = await world.joined()
+        world.main.denies = 401
+        await main.close(1012)
+        assert await page.closed() == 1012
+
+    async def test_one_that_is_busy_is_asked_again(self, world) -> None:
+        _, main, *_ = await world.joined()
+        world.main.denies = 503
+        await main.close(1012)
+        await stays(0.1, lambda: not world.pages[0].serving.done(), "the page is sent away")
+        world.main.denies = 0
+        await world.main.end()
 
 
 class TestNumbers:

@@ -15,7 +15,7 @@ from talaia.wire.browser import FROM_BROWSER
 if TYPE_CHECKING:
     from starlette.types import Message
 
-__all__ = ["AskedAbout", "ToldAbout", "data_of", "read_asked", "read_told"]
+__all__ = ["AskedAbout", "ToldAbout", "data_of", "is_pong", "read_asked", "read_told"]
 
 
 class AskedAbout(msgspec.Struct, frozen=True):
@@ -72,6 +72,11 @@ def data_of(message: Message) -> bytes | str:
     """Give what an ASGI message of a socket carries."""
     data: bytes | None = message.get("bytes")
     return str(message.get("text", "")) if data is None else data
+
+
+def is_pong(data: bytes | str) -> bool:
+    """Tell whether what a hub has written is the answer to a ping."""
+    return (data[6:10] == "pong") if isinstance(data, str) else (data[1:8] == b"\xa1t\xa4pong")
 
 
 def read_asked(data: bytes | str) -> AskedAbout | None:

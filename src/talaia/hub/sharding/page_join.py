@@ -2,8 +2,10 @@
 
 A page knows of no shards. What it says of a site goes to the shard that has the site, and what any
 of them tells goes to the page, both as the bytes they are. The main shard lets it in and answers
-its pings; without it there is no page. Of another shard that is away the page hears that its sites
-are, and it is asked again until it is back.
+its pings. Of a shard that is away the page hears that its sites are, and it is asked again until it
+is back; so is the main one, for whoever was let in.
+
+Long, because the life of one page stands in one place.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.hub.sharding.asked_sites import AskedSites
+from talaia.hub.sharding.kept_pongs import KeptPongs
 from talaia.hub.sharding.page_frames import data_of, read_asked
 from talaia.hub.sharding.page_news import KnownSites, PageNews
 from talaia.hub.sharding.page_subscriptions import PageSubscriptions, end_message
@@ -44,7 +47,9 @@ _ENDING_S = 2.0
 _AT_ONCE = 20
 # Codes (RFC 6455, 7.4.1, and IANA's registry) by which a shard says nothing to the page, but that
 # it cannot go on: it goes away, broke off, failed, starts anew, or has too much to do.
-_BROKEN = frozenset({1000, 1001, 1005, 1006, 1011, 1012, 1013})
+_BROKEN = frozenset({None, 1000, 1001, 1005, 1006, 1011, 1012, 1013})
+# Of HTTP, by which the main shard says that nobody has this session any more.
+_NOBODY = frozenset({401, 403})
 _RESTARTS = 1012
 # Asked many times a second: the page sees by the site itself that it is away.
 _UNANSWERED = frozenset({"drive", "twin_drive", "subscribe", "unsubscribe"})
@@ -94,52 +99,50 @@ class _JoinedPage:
         self._writer = writer
         # By shard, while it has let the page in.
         self._open: dict[str, ShardSocket] = {}
-        self._main = ShardSocket(MAIN, self._scope_of(MAIN), self._hear_main)
         self._subscriptions = PageSubscriptions()
         self._news = PageNews(join.known, self._subscriptions, join.apps)
+        self._pongs = KeptPongs(join.clock)
         self._asked = AskedSites(join.shard_of, self._hand_up, limit_reached=self._drop)
         # By shard: has a socket there.
         self._keeping: dict[str, asyncio.Task[None]] = {}
+        # The main shard has let the page in.
+        self._admitted = False
         # The page has gone, or is sent away, and with which code (None: it went by itself).
         self._over = asyncio.Event()
         self._code: int | None = None
         self._gone_code = 1001
-        self._begun = False
 
     async def serve(self, receive: Receive) -> None:
         # The wish to connect: each shard's socket has its own.
         await receive()
-        main = asyncio.create_task(self._main.run(self._join.apps[MAIN]), name="page at main")
         hearing = asyncio.create_task(self._hear_page(receive), name="hear a joined page")
         over = asyncio.create_task(self._over.wait())
+        main = self._begin_shard(MAIN)
         try:
+            # Each of the others ends only after this one has, or when all is over.
             await asyncio.wait({main, over}, return_when=asyncio.FIRST_COMPLETED)
             self._writer.end()
-            error = main.exception() if main.done() and not main.cancelled() else None
-            # A main shard that breaks off begins anew elsewhere, and so does the page.
-            if self._main.accepted and isinstance(error, OSError):
-                self._code, error = _RESTARTS, None
-            # At once: what is at shards may take a moment to end.
-            if self._code is not None and self._main.accepted:
+            if self._code is not None:
+                # At once: what is at shards may take a moment to end.
                 await self._writer.close(self._code)
         finally:
             self._over.set()
-            await self._end_all(main, hearing, over)
-        if error is not None:
+            await self._end_all(hearing, over)
+        if main.done() and not main.cancelled() and (error := main.exception()) is not None:
             raise error
 
-    async def _end_all(self, main: asyncio.Task[None], *own: asyncio.Task[object]) -> None:
+    async def _end_all(self, *own: asyncio.Task[object]) -> None:
         """End what is at shards: by the word that the page has gone, or else by force."""
         for task in own:
             task.cancel()
         self._asked.close()
-        for socket in (self._main, *self._open.values()):
+        for socket in self._open.values():
             socket.hang_up(self._gone_code)
         for shard, task in self._keeping.items():
             # Those that are not let in yet may be held for long.
             if shard not in self._open:
                 task.cancel()
-        serving = {main, *self._keeping.values()}
+        serving = self._keeping.values()
         try:
             await asyncio.wait(serving, timeout=_ENDING_S)
         finally:
@@ -153,8 +156,7 @@ class _JoinedPage:
         for name in [name for name in extensions if name.startswith("talaia.")]:
             del extensions[name]
         if self._writer.writes_frames:
-            write = self._write_main if shard == MAIN else self._make_write(shard)
-            extensions[FRAME_WRITER] = {"write": write}
+            extensions[FRAME_WRITER] = {"write": self._make_write(shard)}
         state = dict(self._scope.get("state", {}))
         return {**self._scope, "extensions": extensions, "state": state}
 
@@ -173,17 +175,18 @@ class _JoinedPage:
 
     def _take(self, message: Message) -> None:
         """Lead what a page says to its shard; never waits."""
-        data = data_of(message)
-        asked = read_asked(data)
-        if asked is None or not (asked.site or asked.sub >= 0 or asked.t == "ping"):
-            # It answers what cannot be read, too.
-            self._push(self._main, message)
-        elif asked.t == "ping":
+        asked = read_asked(data_of(message))
+        if asked is not None and asked.t == "ping":
             # A session is kept by whoever touches the page, whichever site it shows.
-            for socket in (self._main, *self._open.values()):
+            for socket in self._open.values():
                 self._push(socket, message)
-        else:
+            if MAIN not in self._open and (pong := self._pongs.answer_ping(message)) is not None:
+                self._writer.add_note(pong)
+        elif asked is not None and (asked.site or asked.sub >= 0):
             self._asked.lead(asked, message, self._join.known.shards.get(asked.site))
+        elif (main := self._open.get(MAIN)) is not None:
+            # It answers what cannot be read, too.
+            self._push(main, message)
 
     def _hand_up(self, asked: AskedAbout, message: Message, shard: str) -> None:
         """Hand on what a page says of a site of ``shard``, or of a subscription."""
@@ -193,18 +196,15 @@ class _JoinedPage:
         elif asked.t == "subscribe":
             before = self._subscriptions.add(asked.sub, shard, message)
             # The number is another shard's from now on.
-            if before is not None and (former := self._socket_at(before)) is not None:
+            if before is not None and (former := self._open.get(before)) is not None:
                 self._push(former, end_message(asked.sub, message))
             if self._subscriptions.is_full:
                 self._drop()
-        socket = self._socket_at(shard)
+        socket = self._open.get(shard)
         if socket is not None:
             self._push(socket, message)
         elif asked.t not in _UNANSWERED:
             self._writer.add_note(RequestError(code="offline", message=_AWAY, about=asked.t))
-
-    def _socket_at(self, shard: str) -> ShardSocket | None:
-        return self._main if shard == MAIN else self._open.get(shard)
 
     def _push(self, socket: ShardSocket, message: Message) -> None:
         if not socket.push(message, len(data_of(message))):
@@ -216,75 +216,91 @@ class _JoinedPage:
 
     # ── what shards say ──
 
-    async def _hear_main(self, _socket: ShardSocket, message: Message) -> None:
-        kind = message["type"]
-        if kind == "websocket.close":
-            self._writer.end()
-            await self._writer.send_last(message)
-        elif kind != "websocket.send":
-            await self._writer.send(message)
-        elif self._news.passes(MAIN, data_of(message)):
-            await self._writer.send(message)
-            self._begin_others()
-
-    def _write_main(self, frame: SocketFrame) -> bool:
-        if not self._news.passes(MAIN, frame.data):
-            return True
-        written = self._writer.write(frame)
-        if written and not self._begun:
-            self._begin_others()
-        return written
-
-    def _begin_others(self) -> None:
-        """Open a socket at each other shard, once the page has been greeted."""
-        if self._begun:
-            return
-        self._begun = True
-        for shard in self._join.apps:
-            if shard != MAIN:
-                keeping = self._keep_shard(shard)
-                self._keeping[shard] = asyncio.create_task(keeping, name=f"page at {shard}")
+    def _begin_shard(self, shard: str) -> asyncio.Task[None]:
+        task = asyncio.create_task(self._keep_shard(shard), name=f"page at {shard}")
+        self._keeping[shard] = task
+        return task
 
     async def _keep_shard(self, shard: str) -> None:
         """Have a socket at a shard for as long as the page is there."""
         told = False
         while not self._over.is_set():
             socket = ShardSocket(shard, self._scope_of(shard), self._hear_shard)
-            try:
-                await socket.run(self._join.apps[shard])
-            except OSError as error:
-                _LOG.debug("shard %s: %s", shard, error)
-            except Exception:  # noqa: BLE001 - a shard must not take the page's others with it
-                _LOG.exception("a page's socket at shard %s failed", shard)
+            await self._serve_socket(socket)
             was_open = self._open.pop(shard, None) is not None
             if self._over.is_set():
                 return
-            code = socket.close_code
-            if was_open and code is not None and code not in _BROKEN:
+            if not self._admitted:
+                # It was denied, and has heard so.
+                self._over.set()
+            elif was_open and socket.close_code not in _BROKEN:
                 # Its word is for the page: the session is over, or what it said breaks the rules.
-                self._end(code)
-                return
-            if was_open or not told:
-                told = True
-                await self._tell_away(shard)
-            pause = 0.5 + random.random()  # noqa: S311 - no secret
-            await asyncio.sleep(pause * self._join.retry_s)
+                self._end(socket.close_code)
+            elif shard == MAIN and socket.denied in _NOBODY:
+                # As it comes again it hears why.
+                self._end(_RESTARTS)
+            else:
+                if was_open or not told:
+                    told = True
+                    await self._tell_away(shard)
+                pause = 0.5 + random.random()  # noqa: S311 - no secret
+                await asyncio.sleep(pause * self._join.retry_s)
+
+    async def _serve_socket(self, socket: ShardSocket) -> None:
+        """Serve a page's socket at a shard to its end, which is here whatever it is there."""
+        try:
+            await socket.run(self._join.apps[socket.shard])
+        except Exception as error:
+            if not self._admitted:
+                # The caller knows what to say to somebody who is not in.
+                raise
+            if isinstance(error, OSError):
+                _LOG.debug("shard %s: %s", socket.shard, error)
+            else:
+                _LOG.exception("a page's socket at shard %s failed", socket.shard)
 
     async def _hear_shard(self, socket: ShardSocket, message: Message) -> None:
         kind = message["type"]
         if kind == "websocket.accept":
-            self._open[socket.shard] = socket
-            if not self._subscriptions.complete:
-                # What it had asked for was more than is remembered: it asks for all of it anew.
-                self._end(_RESTARTS)
-            for asked in self._subscriptions.of_shard(socket.shard):
-                self._push(socket, asked)
+            if not self._admitted:
+                await self._writer.send(message)
+                self._admitted = True
+            self._open_shard(socket)
+        elif not self._admitted:
+            await self._writer.send(message)
         elif kind == "websocket.send" and self._news.passes(socket.shard, data_of(message)):
             await self._writer.send(message)
+            self._note_passed(socket.shard, data_of(message))
+
+    def _open_shard(self, socket: ShardSocket) -> None:
+        """Ask a shard that has let the page in for all that is asked of it."""
+        self._open[socket.shard] = socket
+        if not self._subscriptions.complete:
+            # It was more than is remembered: the page asks for all of it anew.
+            self._end(_RESTARTS)
+        for asked in self._subscriptions.of_shard(socket.shard):
+            self._push(socket, asked)
+
+    def _note_passed(self, shard: str, data: bytes | str) -> None:
+        """Follow what the page was told."""
+        if shard != MAIN:
+            return
+        if not self._news.greeted:
+            self._news.greeted = True
+            # Not before: the greeting is the first that a page hears.
+            for other in self._join.apps:
+                if other != MAIN:
+                    self._begin_shard(other)
+        self._pongs.hear(data)
 
     def _make_write(self, shard: str) -> Callable[[SocketFrame], bool]:
         def write_frame(frame: SocketFrame) -> bool:
-            return not self._news.passes(shard, frame.data) or self._writer.write(frame)
+            if not self._news.passes(shard, frame.data):
+                return True
+            written = self._writer.write(frame)
+            if written:
+                self._note_passed(shard, frame.data)
+            return written
 
         return write_frame
 
@@ -305,7 +321,7 @@ class _JoinedPage:
                 # Whoever drives is served between them.
                 await asyncio.sleep(0)
 
-    def _end(self, code: int) -> None:
+    def _end(self, code: int | None) -> None:
         """Send the page away."""
         if not self._over.is_set():
             self._code = code

@@ -33,7 +33,12 @@ class KnownSites:
 
 
 class PageNews:
-    """What shards say to one page."""
+    """What shards say to one page.
+
+    Attributes:
+        greeted: the page has heard the greeting.
+
+    """
 
     def __init__(
         self, known: KnownSites, subscriptions: PageSubscriptions, shards: Iterable[str]
@@ -43,6 +48,7 @@ class PageNews:
         self._subscriptions = subscriptions
         # By shard, the sites that it has told this page of.
         self._sites: dict[str, set[str]] = {shard: set() for shard in shards}
+        self.greeted = False
         # Which shard has told the page that its session is over.
         self._ended_by = ""
 
@@ -52,7 +58,9 @@ class PageNews:
         if told is None:
             return True
         match told.t:
-            case "greeting" | "pong" | "session":
+            case "greeting":
+                return shard == MAIN and not self.greeted
+            case "pong" | "session":
                 # The main shard's word: it knows the same sessions.
                 return shard == MAIN
             case "ended":

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = ["PageSubscriptions", "end_message"]
 
-# As many subscriptions as a hub grants one page, and what they may weigh (bytes).
-_MOST, _MOST_BYTES = 256, 4 * 1024 * 1024
+# Twice as many subscriptions as one lead grants a page, and what they may weigh (bytes).
+_MOST, _MOST_BYTES = 512, 4 * 1024 * 1024
 # Numbers that are in use, most of them refused by then; and ended ones of which values may still be
 # under way.
 _MOST_NUMBERS, _MOST_ENDED = 4_096, 1_024
@@ -26,7 +26,7 @@ class PageSubscriptions:
     Attributes:
         moved: numbers that another shard had before: what that one still says under them is of
             then.
-        complete: all that is asked for at other shards than the main one is remembered.
+        complete: all that is asked for is remembered.
 
     """
 
@@ -37,7 +37,7 @@ class PageSubscriptions:
         # By number; and of those that ended last.
         self._owners: dict[int, str] = {}
         self._ended: dict[int, str] = {}
-        # How they were asked for; not of the main shard: without it there is no page.
+        # How they were asked for.
         self._asked: dict[int, Message] = {}
         self._bytes = 0
 
@@ -53,13 +53,12 @@ class PageSubscriptions:
             self.moved.add(sub)
         self._forget(sub)
         self._owners[sub] = shard
-        if shard != MAIN:
-            size = len(data_of(message))
-            if len(self._asked) < _MOST and self._bytes + size <= _MOST_BYTES:
-                self._asked[sub] = message
-                self._bytes += size
-            else:
-                self.complete = False
+        size = len(data_of(message))
+        if len(self._asked) < _MOST and self._bytes + size <= _MOST_BYTES:
+            self._asked[sub] = message
+            self._bytes += size
+        else:
+            self.complete = False
         return None if before == shard else before
 
     def remove(self, sub: int) -> str:

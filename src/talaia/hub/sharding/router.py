@@ -30,7 +30,7 @@ class ShardRouter:
         self._apps = apps
         self._directory = directory
         self._join = PageJoin(apps, self._shard_of)
-        self._lists = MergedLists(apps)
+        self._lists = MergedLists(apps, self._shard_of)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or serve a socket, to its end."""
