@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from sqlalchemy import delete, insert, select
 
-from talaia.clock import SystemClock
+from talaia.clock import SECOND, HandClock, SystemClock
+from talaia.hub.archive.frame_queues import FrameQueues
+from talaia.hub.archive.frame_rows import HookState, MeasureState
 from talaia.hub.sharding.own_shard import OwnShard
 from talaia.hub.sharding.plan import MAIN, ShardPlan, WholeShard
 from talaia.hub.store.alarm_tables import alarm_definitions
 from talaia.hub.store.alarms.alarm_states import AlarmStore
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.missions.mission_store import MissionStore
+from talaia.hub.store.observing.request_rows import insert_requests, insert_row
 from talaia.hub.store.observing.request_store import RequestStore
 from talaia.hub.store.sites.recordings import Recorded, RecordingList, RecordingState
 from talaia.hub.store.sites.robot_log import RobotLogStore, StoredLine
 from talaia.hub.store.sites.sightings import Sighted, SightingStore
+from talaia.hub.store.tables import frames
+
+from ..store.observing.test_observing_store import Office, proposal
 
 PLAN = ShardPlan(("east", "west"))
 # ``south`` is on another server that is no shard.
@@ -44,6 +52,10 @@ async def test_rows_and_names_say_the_same_of_each_site(shard, database) -> None
     assert found == OWN[shard.name]
     await shard.open()
     assert [site for site in SITES if shard.has_site(site)] == found
+    # The engine reads them so.
+    assert (
+        sorted(one.site for one in await AlarmStore(database, shard.own_rows).list_made()) == found
+    )
     # Deleting, too.
     async with database.write() as connection:
         await connection.execute(delete(table).where(*shard.own_rows(table.c.site)))
@@ -91,6 +103,42 @@ async def test_lists_of_all_sites_are_of_own_ones(shard, database) -> None:
     assert await MissionStore(database, clock, shard.own_rows).unfinished_runs() == []
     assert await RequestStore(database, clock, shard.own_rows).expire_requests() == []
     assert await AlarmStore(database, shard.own_rows).load_states() == {}
+
+
+async def test_pictures_are_measured_and_handed_over_where_their_site_is_own(
+    shard, database
+) -> None:
+    row = {
+        "device": "cam", "night": "2026-01-01", "name": "a.fits", "time_us": 1, "target": "",
+        "target_key": "", "filter": "", "kind": "light", "width": 1, "height": 1, "bytes": 1,
+        "digest": "0", "problems": "",
+    }  # fmt: skip
+    for measured, hook in ((MeasureState.WAITS, 0), (MeasureState.MEASURED, HookState.WAITS)):
+        async with database.write() as connection:
+            await connection.execute(delete(frames))
+            states = {"measured": measured, "hook": hook}
+            # From the last site on, so that the oldest is not the first.
+            rows = [{"site": site, **row, **states} for site in reversed(SITES)]
+            await connection.execute(insert(frames), rows)
+        queues = FrameQueues(database, None, shard.own_rows)
+        found = await (queues.next_for_hook() if hook else queues.next_unmeasured())
+        assert found.site == OWN[shard.name][-1]
+
+
+async def test_requests_expire_where_their_site_is_own(shard, database) -> None:
+    clock = HandClock()
+    office = await Office(database, clock).begin()
+    for site in SITES:
+        await office.proposals.add_proposal(proposal(site=site))
+    async with database.write() as connection:
+        for site in SITES:
+            group = replace(office.kept(), site=site)
+            number = await insert_row(connection, group, 1)
+            await insert_requests(connection, number, group, who="ada", now_us=1)
+    clock.advance(3601 * SECOND)
+    store = RequestStore(database, clock, shard.own_rows)
+    assert sorted(one.site for one in await store.expire_requests()) == OWN[shard.name]
+    assert await store.expire_requests() == []
 
 
 async def test_a_hub_of_all_sites_leaves_no_row_out(database) -> None:
