@@ -366,6 +366,20 @@ async def test_slow_viewer_gets_two_pictures_and_then_the_newest(hub, gateway) -
     assert (await viewer.hear(page_wire.CameraPicture)).seq == 10
 
 
+async def test_viewer_is_told_the_clock_by_which_its_pictures_are_stamped(hub, gateway) -> None:
+    viewer = await hub.viewer("operator", "camera/front")
+    camera = await hub.camera()
+    pongs = []
+    for n in (1, 2):
+        await viewer.say(page_wire.PagePing(n=n, at_ms=n + 0.5))
+        pongs.append(await viewer.hear(page_wire.PagePong))
+        if n == 1:
+            await camera.say(picture(1))
+            shot = await viewer.hear(page_wire.CameraPicture)
+    assert [(pong.n, pong.at_ms) for pong in pongs] == [(1, 1.5), (2, 2.5)]
+    assert pongs[0].hub_us <= shot.hub_us <= pongs[1].hub_us
+
+
 async def test_guest_sees_no_stream_that_is_not_public(hub, gateway) -> None:
     with pytest.raises(Exception, match="404"):
         await hub.viewer("guest", "camera/front")
