@@ -18,6 +18,7 @@ from talaia.hub.sharding.own_shard import OwnShard
 from talaia.hub.sharding.plan import WholeShard
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.lead.hub_plan import agree_on_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping, Sequence
@@ -106,6 +107,9 @@ class Core:
         # Before the database: a key that cannot be read is told before anything is migrated.
         self.secret_box()
         await self.database.migrate()
+        if self.seat is None:
+            # It has all sites: hubs that divided them lead none any more.
+            await agree_on_plan(self.database, ())
         if self.seat is not None:
             purpose = "which hubs belong together"
             await self.seat.claim_lead(self.database, self.secret_box().derive_key(purpose).hex())

@@ -6,14 +6,14 @@ import threading
 
 import pytest
 import sqlalchemy as sa
-from patience import PATIENCE_S, stays
+from patience import PATIENCE_S, stays, until_answered
 
-from talaia.hub.errors import CannotStart
+from talaia.hub.errors import CannotStart, StoreDown
 from talaia.hub.history.engine import open_engine
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_tables import channel
-from talaia.hub.store.lead import hub_plan
+from talaia.hub.store.lead import hub_plan, only_hub
 from talaia.hub.store.lead.hub_plan import agree_on_plan, read_shards
 from talaia.hub.store.lead.lead_claim import claim_lead
 from talaia.hub.store.lead.lead_lock import LeadLock
@@ -79,6 +79,12 @@ def agree(url, shards, shard="main") -> None:
     asyncio.run(agree())
 
 
+async def end_session(database, lock) -> None:
+    """End the session that has a lock, as a network does."""
+    async with database.read() as connection:
+        await connection.execute(sa.text(lock._words.end), {"session": lock._session})
+
+
 def test_each_shard_has_one_lead_and_a_hub_may_have_several(url) -> None:
     agree(url, ["east", "west"])
     with Held(url) as main, Held(url, "east") as east, Held(url, "west") as west:
@@ -97,24 +103,44 @@ def test_each_shard_has_one_lead_and_a_hub_may_have_several(url) -> None:
                         connected(url, refused).__enter__()
 
 
-@pytest.mark.parametrize(("taken", "left"), [("east", "main"), ("main", "east"), ("east", "west")])
-def test_a_lead_that_stands_still_is_ended_and_other_shards_go_on(url, taken, left) -> None:
+@pytest.mark.parametrize("taken", ["east", "main"])
+def test_a_lead_that_stands_still_is_ended_and_other_shards_go_on(url, taken) -> None:
     agree(url, ["east", "west"])
-    with (
-        Held(url, left) as other,
-        Held(url, taken, look_s=STILL_S) as still,
-        connected(url, other.lock) as kept,
-        connected(url, still.lock) as ended,
-    ):
-        assert answers(kept)
-        assert answers(ended)
-        kept.commit()
-        with Held(url, taken) as follower:
-            assert follower.taken.wait(PATIENCE_S)
-            assert not answers(ended)
-            assert answers(kept)
-            assert other.lock.held
-            assert not other.lost.is_set()
+    left = [shard for shard in ("main", "east", "west") if shard != taken]
+    with contextlib.ExitStack() as stack:
+        others = [stack.enter_context(Held(url, shard)) for shard in left]
+        still = stack.enter_context(Held(url, taken, look_s=STILL_S))
+        kept = [stack.enter_context(connected(url, other.lock)) for other in others]
+        ended = stack.enter_context(connected(url, still.lock))
+        assert all(map(answers, (*kept, ended)))
+        follower = stack.enter_context(Held(url, taken))
+        assert follower.taken.wait(PATIENCE_S)
+        assert not answers(ended)
+        assert all(map(answers, kept))
+        # Their locks are theirs yet: each may open one more.
+        for other in others:
+            with connected(url, other.lock) as more:
+                assert answers(more)
+
+
+async def test_connections_to_accounts_are_a_shards_too(url) -> None:
+    await asyncio.to_thread(agree, url, ["east"])
+    with Held(url, "east", shards=["east"]) as east, Held(url, "east", shards=["east"]) as other:
+        assert east.taken.wait(PATIENCE_S)
+        leading = Database(url, on_connect=east.lock.check_connection)
+        refused = Database(url, on_connect=other.lock.check_connection)
+        async with leading.read() as connection:
+            watching = await connection.scalar(sa.text(east.lock._words.own))
+        looking = Database(url)
+        async with looking.read() as connection:
+            found = await connection.scalars(sa.text(east.lock._words.others))
+            assert set(found) == {watching}
+        await looking.close()
+        with pytest.raises(StoreDown, match="does not lead any more"):
+            async with refused.read():
+                pass
+        await leading.close()
+        await refused.close()
 
 
 def test_main_ends_what_a_hub_of_before_the_division_has_open(url) -> None:
@@ -159,7 +185,8 @@ async def test_a_hub_with_other_shards_leads_none_until_those_of_before_are_gone
             assert await asyncio.to_thread(east_anew.taken.wait, PATIENCE_S)
 
 
-async def test_a_hub_alone_is_refused_while_a_shard_has_a_lead(url) -> None:
+async def test_a_hub_alone_is_refused_while_a_shard_has_a_lead(url, monkeypatch) -> None:
+    monkeypatch.setattr(only_hub, "_WAIT_S", 0.1)
     await asyncio.to_thread(agree, url, ["east"])
     with Held(url, "east", shards=["east"]) as east:
         assert east.taken.wait(PATIENCE_S)
@@ -180,13 +207,29 @@ async def test_whoever_led_a_shard_of_before_leads_none_when_it_comes_again(url)
         # What it has open yet, while its lock is gone for a moment.
         with connected(url, east.lock) as former:
             assert answers(former)
-            with contextlib.suppress(sa.exc.SQLAlchemyError):
-                async with database.read() as connection:
-                    words = east.lock._words
-                    await connection.execute(sa.text(words.end), {"session": east.lock._session})
+            await end_session(database, east.lock)
             await agree_on_plan(database, ())
             assert not answers(former)
         assert await asyncio.to_thread(east.lost.wait, PATIENCE_S)
+    await database.close()
+
+
+async def test_a_shards_lead_leads_on_when_its_lock_was_gone_for_a_moment(url) -> None:
+    database = Database(url)
+    await agree_on_plan(database, ["east"])
+    for shard in ("main", "main", "east"):
+        epoch = await claim_lead(database, name="a", seal_hash=KEY, shard=shard)
+    with Held(url, "east", shards=["east"]) as east:
+        assert east.taken.wait(PATIENCE_S)
+        east.lock.remember_epoch(epoch)
+        before = east.lock._session
+        await end_session(database, east.lock)
+
+        async def leads_anew() -> bool:
+            return east.lost.is_set() or east.lock._session not in (None, before)
+
+        await until_answered(leads_anew)
+        assert not east.lost.is_set()
     await database.close()
 
 

@@ -33,14 +33,17 @@ class AlpacaFeature(Feature):
             CannotStart: the file of the settings cannot be used.
 
         """
-        # One address, so one of several shards answers there: of the sites that the main one has.
-        if core.settings.alpaca is None or not core.shard.is_main:
+        if core.settings.alpaca is None:
             return
         settings = read_alpaca_serving(core.settings.alpaca)
 
         async def who_of_token(token: str) -> Who | None:
             alive = await access.who_of_token(token)
             return alive.who if alive is not None else None
+
+        def is_here() -> bool:
+            # One address for one site: of several shards that one listens which has it.
+            return core.shard.is_whole or core.sites.find_site(settings.site) is not None
 
         parts = ServiceParts(
             connections=clients.connections,
@@ -50,6 +53,7 @@ class AlpacaFeature(Feature):
             audit=audit,
             clock=core.clock,
             who_of_token=who_of_token,
+            is_here=is_here,
             hosts=core.settings.host_names,
         )
         service = AlpacaService(settings, parts, check_s=core.settings.check_s)

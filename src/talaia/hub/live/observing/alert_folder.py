@@ -60,6 +60,9 @@ class AlertFolder:
                 # It stays, and is taken when the database is there again.
                 _LOG.warning("a notice waits: %s", error)
                 return
+            except FileNotFoundError:
+                # Another hub that reads the folder was quicker to move it.
+                continue
             except OSError as error:
                 _LOG.warning("a notice cannot be read: %s", error)
 
