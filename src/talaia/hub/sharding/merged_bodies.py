@@ -95,7 +95,15 @@ def join_commands(bodies: Sequence[bytes]) -> bytes:
         for row in msgspec.json.decode(body, type=_CommandList).commands:
             alike.setdefault(_command_key(row), []).append(row)
     joined = [_join_alike(rows) if len(rows) > 1 else rows[0] for rows in alike.values()]
-    joined.sort(key=lambda row: (-len(row["sites"]), row["device"], row["command"]["id"]))
+    # Last by their first site: so a hub with all sites meets them.
+    joined.sort(
+        key=lambda row: (
+            -len(row["sites"]),
+            row["device"],
+            row["command"]["id"],
+            _first_site(row),
+        )
+    )
     return _encode(_CommandList(joined))
 
 
@@ -151,10 +159,15 @@ def _command_key(row: _Row) -> object:
     return row["device"], row["command"]["id"], tuple(sorted(arguments))
 
 
+def _first_site(row: _Row) -> str:
+    first: str = min(row["sites"] + row["barred"])
+    return first
+
+
 def _join_alike(alike: list[_Row]) -> _Row:
     """Make one of the same command of several shards: what all their sites take."""
     # Names are those of the first site, as where one hub has all.
-    first = min(alike, key=lambda row: min(row["sites"] + row["barred"]))
+    first = min(alike, key=_first_site)
     shapes = [row["command"] for row in alike]
     arguments = [
         _join_arguments(argument, [_argument_of(shape, argument["id"]) for shape in shapes])

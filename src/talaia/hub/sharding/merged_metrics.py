@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from talaia.wire.errors import PeerError
@@ -75,7 +76,7 @@ def join_past_series(bodies: Sequence[bytes]) -> bytes:
         unpacked = _unpack(pa.Codec("snappy"), body)
         own = [read_bytes(value) for number, value in read_fields(unpacked) if number == _RESULTS]
         # A message of Protocol Buffers behind another of its kind is both of them: lists go on.
-        results = [before + more for before, more in zip(results, own, strict=True)] or own
+        results = [before + more for before, more in zip_longest(results, own, fillvalue=b"")]
     packed: bytes = pa.compress(
         b"".join(bytes_field(_RESULTS, result) for result in results), codec="snappy", asbytes=True
     )
