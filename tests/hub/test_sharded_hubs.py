@@ -17,7 +17,7 @@ from talaia.wire.frames import Ack, LeaseOp
 from .conftest import DESCRIPTION
 from .databases import empty_database
 from .several_hubs import Hubs, Nats, sites_stored_in
-from .test_cluster_run import ROW_US, STEP, acknowledged, send_rows, stored_values
+from .test_cluster_run import ROW_US, STEP, send_rows, stored_values
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -58,14 +58,12 @@ async def three_hubs(urls, folder) -> AsyncIterator[tuple[Hubs, OneHub, OneHub, 
     servers.chmod(0o600)
     more = ("--history-servers", str(servers))
     async with Nats() as nats, Hubs(accounts, nats, folder) as hubs:
-        main = await hubs.add("a", *more)
-        await main.until_leads()
+        # At once: one that is long alone takes all.
+        await asyncio.gather(*(hubs.add(name, *more) for name in "abc"))
+        main, shard = await until_led(hubs, "main"), await until_led(hubs, "east")
         await hubs.set_up(main)
-        await hubs.add("b", *more)
-        shard = await until_led(hubs, "east")
-        spare = await hubs.add("c", *more)
+        (spare,) = (hub for hub in hubs.all if hub not in {main, shard})
         await spare.until_ready()
-        assert shard is not main
         yield hubs, main, shard, spare
 
 
@@ -98,6 +96,7 @@ async def test_sites_of_two_leads_are_one_portal_and_each_lead_that_dies_takes_o
         for sub, gateway in ((1, agv), (2, moon)):
             await gateway.samples(("power/voltage", ROW_US + 500_000, 12.5), first=500)
             await page.hear(Values, lambda told, sub=sub: told.sub == sub)
+            await gateway.hear(Ack, lambda ack: ack.below >= 501)
         for name, gateway in (("agv", agv), ("moon", moon)):
             await drive(page, gateway, name)
         # The lead of the shard dies: the other site's gateway does not notice.
@@ -165,7 +164,6 @@ async def test_a_hub_that_is_alone_leads_every_shard_and_one_that_comes_is_told_
         await gateway.hello()
         await send_rows(gateway, 0, 200)
         await gateway.hear(Ack, lambda ack: ack.below >= 200)
-        assert acknowledged(gateway) >= 200
         assert sites_stored_in(east) == ["agv"]
         other = await hubs.add("b", *more)
         await other.until_ready()

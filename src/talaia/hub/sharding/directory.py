@@ -135,8 +135,8 @@ class ShardDirectory:
             return None
         if len(self._sites_of_keys) >= _MOST_KEYS:
             self._sites_of_keys.clear()
-        self._sites_of_keys[hashed] = found[0]
-        return found[0]
+        site = self._sites_of_keys[hashed] = str(found[0])
+        return site
 
     async def find_site_of_gateway(self, number: int) -> str | None:
         """Give the site of a gateway by its number; None: there is none.
@@ -147,7 +147,7 @@ class ShardDirectory:
         """
         query = select(gateways.c.site).where(gateways.c.id == number)
         found = await self._database.fetch_scalars(query)
-        return found[0] if found else None
+        return str(found[0]) if found else None
 
     async def _count_sites(self) -> dict[str, int]:
         query = select(history_homes.c.server, func.count()).group_by(history_homes.c.server)

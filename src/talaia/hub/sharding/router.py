@@ -65,4 +65,6 @@ class ShardRouter:
                 case About.GATEWAY:
                     site = await self._directory.find_site_of_gateway(int(address.name))
                     return MAIN if site is None else await self._directory.find_shard(site)
+                case About.HUB | About.PAGE:
+                    return MAIN
         return MAIN

@@ -196,7 +196,8 @@ class LeadLock:
             else:
                 self.answered_ms = round((time.monotonic() - began) * 1000, 2)
             self.tried.set()
-            pause_s = max(self._look_s, _LEADING_LOOK_S) if self.held else self._look_s
+            seldom = self.held or self._holds_back
+            pause_s = max(self._look_s, _LEADING_LOOK_S) if seldom else self._look_s
             if self._stopping.wait(pause_s):
                 break
         with contextlib.suppress(*_FAILURES):
@@ -239,14 +240,17 @@ class LeadLock:
             self._give_up()
 
     def _may_begin(self) -> bool:
-        if self._may_take is not None and not self._may_take():
+        self._holds_back = self._may_take is not None and not self._may_take()
+        if self._holds_back:
             # How long the database takes is told all the same.
             self._ask(self._words.own)
             return False
-        return not self._plan.is_divided or self._fits_plan()
+        # Once it did, it is looked at again with the lock: at each look it would cost as much.
+        return not self._plan.is_divided or self._fitted or self._fits_plan()
 
     def _fits_plan(self) -> bool:
-        return self._any_plan or self._plan.fits(self._ask)
+        self._fitted = self._any_plan or self._plan.fits(self._ask)
+        return self._fitted
 
     def _watch_holder(self) -> None:
         self._waited = True
