@@ -272,19 +272,8 @@ def _bring_wheels(project: Path, given: Sequence[Path]) -> None:
         )
 
 
-def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "talaia generate",
-        description="Write a folder that runs a site for good: a compose project (hub, database, "
-        "gateway), systemd units for a robot's own computer, and how to start them.",
-    )
-    parser.add_argument("site", type=Path, help="site description (YAML)")
-    parser.add_argument("--to", type=Path, required=True, metavar="DIR", help="the folder")
-    parser.add_argument(
-        "--database",
-        choices=[database.value for database in DatabaseKind],
-        help="where accounts and history are kept (mariadb; of several hubs postgresql)",
-    )
+def _add_several_hubs(parser: argparse.ArgumentParser) -> None:
+    """Add how many hubs there are, and what is divided among them."""
     parser.add_argument(
         "--hubs",
         type=int,
@@ -305,6 +294,22 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         help="each database of --history-servers has a lead of its own among the hubs, and sites "
         "are divided among them (one hub leads all sites)",
     )
+
+
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia generate",
+        description="Write a folder that runs a site for good: a compose project (hub, database, "
+        "gateway), systemd units for a robot's own computer, and how to start them.",
+    )
+    parser.add_argument("site", type=Path, help="site description (YAML)")
+    parser.add_argument("--to", type=Path, required=True, metavar="DIR", help="the folder")
+    parser.add_argument(
+        "--database",
+        choices=[database.value for database in DatabaseKind],
+        help="where accounts and history are kept (mariadb; of several hubs postgresql)",
+    )
+    _add_several_hubs(parser)
     add_files_options(parser)
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(
