@@ -169,11 +169,11 @@ class _JoinedPage:
                 if message["type"] == "websocket.disconnect":
                     self._gone_code = message.get("code", 1001)
                     break
-                self._take(message)
+                self._lead_message(message)
         finally:
             self._over.set()
 
-    def _take(self, message: Message) -> None:
+    def _lead_message(self, message: Message) -> None:
         """Lead what a page says to its shard; never waits."""
         asked = read_asked(data_of(message))
         if asked is not None and asked.t == "ping":
