@@ -9,7 +9,7 @@ import msgspec
 from sqlalchemy import select, update
 
 from talaia.hub.archive.frame_rows import HookState, MeasureState, row_to_frame
-from talaia.hub.store.own_rows import every_row
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.tables import frames as table
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from talaia.hub.archive.measure_child import MeasuredFile
     from talaia.hub.archive.store import Archive
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["FrameQueues"]
 

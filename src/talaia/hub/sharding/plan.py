@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.hub.store.own_rows import every_row
+from talaia.hub.store.history_servers.own_rows import every_row
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -15,7 +15,7 @@ from talaia.hub.alarms.state_machine import Happened, Phase, State, What
 from talaia.hub.store.alarm_tables import alarm_definitions, alarm_history, alarm_states
 from talaia.hub.store.alarms.notification_outbox import add_notices
 from talaia.hub.store.audit import AuditEntry, append_entries
-from talaia.hub.store.own_rows import every_row
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.alarms.notification_outbox import About
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["AlarmChange", "AlarmStore", "MadeAlarm", "Past"]
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import delete, func, insert, select, update
 
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.mission_tables import mission_runs, missions
-from talaia.hub.store.own_rows import every_row
 from talaia.hub.store.safe_text import safe_text
 from talaia.hub.store.tables import users
 from talaia.model.missions.mission_file import read_mission_json, write_mission_json
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
     from talaia.model.missions.mission import Mission
 
 __all__ = ["MOST_MISSIONS", "KeptMission", "MissionStore", "RunRecord", "StepRecord"]

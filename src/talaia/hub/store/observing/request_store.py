@@ -11,6 +11,7 @@ from sqlalchemy import delete, select, update
 
 from talaia.hub.observing.changes import ImpossibleChange, StateChange, change_request
 from talaia.hub.observing.quotas import TimeAccount
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.observing.proposals import read_proposals, time_accounts
 from talaia.hub.store.observing.request_notices import add_request_notices
 from talaia.hub.store.observing.request_queries import (
@@ -33,7 +34,6 @@ from talaia.hub.store.observing.request_rows import (
 )
 from talaia.hub.store.observing.revisions import raise_revision, read_revision
 from talaia.hub.store.observing_tables import observing_requests, request_groups, request_log
-from talaia.hub.store.own_rows import every_row
 from talaia.model.observing.states import FINAL_REQUEST_STATES, RequestState
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["RequestStore"]
 
@@ -275,12 +275,9 @@ class RequestStore:
 
     async def expire_requests(self, limit: int = 500) -> list[EndedRequest]:
         """End those of own sites whose last window is over, up to ``limit``; give them."""
-        now_us, ended = self._now_us(), []
-        over = (
-            observing_requests.c.state == RequestState.PENDING.value,
-            observing_requests.c.end_us < now_us,
-            *self._own(observing_requests.c.site),
-        )
+        now_us, ended, column = self._now_us(), [], observing_requests.c
+        is_over = (column.state == RequestState.PENDING.value, column.end_us < now_us)
+        over = (*is_over, *self._own(column.site))
         ids = select(observing_requests.c.id, request_groups.c.user_id).join(
             request_groups, request_groups.c.id == observing_requests.c.group_id
         )

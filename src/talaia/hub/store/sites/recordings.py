@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import delete, insert, select, update
 
-from talaia.hub.store.own_rows import every_row
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.tables import recordings
 
 if TYPE_CHECKING:
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["Recorded", "RecordingList", "RecordingState"]
 

@@ -15,7 +15,7 @@ import msgspec
 from sqlalchemy import and_, delete, exists, func, insert, or_, select, update
 
 from talaia.hub.store.audit import append_entries
-from talaia.hub.store.own_rows import every_row
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.tables import seen_sightings, sightings
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.audit import AuditEntry
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["Kept", "Put", "Sighted", "SightingStore", "SightingsAsked"]
 

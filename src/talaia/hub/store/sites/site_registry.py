@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sqlalchemy import func, insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
-from talaia.hub.store.own_rows import every_row
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
 from talaia.hub.store.sites.shared_lookup import SharedLookup
 from talaia.hub.store.tables import gateways, sites
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
-    from talaia.hub.store.own_rows import OwnRows
+    from talaia.hub.store.history_servers.own_rows import OwnRows
     from talaia.wire.gateway_proof import ResumeToken
 
 # Keys in one query; more would be more parameters than some engines take.
