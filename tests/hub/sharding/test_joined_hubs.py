@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager
 import httpx
 import pytest
 import websockets
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until_answered
 from prometheus_client.parser import text_string_to_metric_families
 
 from talaia.hub.run import server_of
@@ -33,6 +33,7 @@ from talaia.wire.browser import (
 )
 from talaia.wire.frames import LeaseOp
 
+from ..api.clients.prometheus_server import open_protocol, token
 from .two_shards import AGV, EAST, LAB
 
 TIME_US = 1_700_000_000_000_000
@@ -49,6 +50,9 @@ class Joined:
         self.page_join = PageJoin(apps, self._shard_of, retry_s=0.05)
         self.lists = MergedLists(apps, self._shard_of)
         self.port, self.origin = 0, ""
+        # Shards that cannot be reached, as where the way to their hub is gone.
+        self.cut = set()
+        self.cut_off = asyncio.Event()
 
     async def hand_over(self) -> None: ...
 
@@ -68,11 +72,22 @@ class Joined:
     def _at(self, shard: str):
         async def ask(scope, receive, send) -> None:
             hub = self._shards._open.get(shard)
-            if hub is None:
+            if hub is None or shard in self.cut:
                 raise ConnectionError("no hub leads just now")
-            await hub[0].hub.asgi(scope, receive, send)
+            answering = asyncio.ensure_future(hub[0].hub.asgi(scope, receive, send))
+            cut = asyncio.ensure_future(self.cut_off.wait())
+            await asyncio.wait({answering, cut}, return_when=asyncio.FIRST_COMPLETED)
+            cut.cancel()
+            if not answering.done() and shard in self.cut:
+                answering.cancel()
+                raise ConnectionError("the hub that led is gone")
+            await answering
 
         return ask
+
+    def cut_off_from(self, shard: str) -> None:
+        self.cut.add(shard)
+        self.cut_off.set()
 
     @asynccontextmanager
     async def serving(self):
@@ -98,9 +113,9 @@ class Joined:
         await page.hear(Greeting)
         return page
 
-    async def ask(self, name: str, path: str) -> httpx.Response:
-        main = self._shards.main
-        headers = {"Cookie": await main.cookie(name), "Origin": self.origin}
+    async def ask(self, name: str, path: str, headers=None) -> httpx.Response:
+        if headers is None:
+            headers = {"Cookie": await self._shards.main.cookie(name), "Origin": self.origin}
         async with httpx.AsyncClient(base_url=self.origin, timeout=PATIENCE_S) as client:
             return await client.get(path, headers=headers)
 
@@ -147,6 +162,7 @@ async def test_while_the_hub_of_a_shard_is_away_the_rest_goes_on_and_all_is_ther
     await agv.samples(("power/voltage", TIME_US, 12.5))
     await page.hear(Values, lambda said: len(said.value) > 0)
     await take_lease(page, lab, LAB)
+    joined.cut_off_from(EAST)
     await shards.end(EAST)
     away = await page.hear(SiteUpdate, lambda said: said.away)
     assert (away.site, away.online) == (AGV, False)
@@ -161,6 +177,8 @@ async def test_while_the_hub_of_a_shard_is_away_the_rest_goes_on_and_all_is_ther
     await page.say(PageDrive(**drive, linear=0.3))
     await lab.hear(frames.DriveFrame)
     await shards.start(EAST)
+    joined.cut.clear()
+    joined.cut_off.clear()
     again = await shards.gateway(AGV)
     await page.hear(SiteUpdate, lambda said: said.site == AGV and said.online)
     await again.samples(("power/voltage", TIME_US + 1, 13.0))
@@ -172,10 +190,8 @@ async def test_while_the_hub_of_a_shard_is_away_the_rest_goes_on_and_all_is_ther
 
 async def test_a_session_that_ends_closes_the_page_with_its_one_reason(shards, joined) -> None:
     page = await joined.page("operator")
-    client = await shards.main.client("operator")
     cookie = await shards.main.cookie("operator")
-    # The page's own session goes, and not the one of this client.
-    client.cookies.clear()
+    client = await shards.main.client()
     answer = await client.post("/api/logout", json={}, headers={"Cookie": cookie})
     assert answer.is_success
     assert await page.closed() == 4401
@@ -210,11 +226,28 @@ async def test_what_is_asked_of_all_sites_has_those_of_both(shards, joined) -> N
     assert [one["site"] for one in gateways] == sorted(one["site"] for one in gateways)
     assert len({one["id"] for one in gateways}) == len(gateways)
     assert (await listed("/api/releases"))["rollout"] is None
-    scraped = (await joined.ask("admin", "/metrics")).text
-    linked = {
+    await open_protocol(shards.main)
+    # Of the sites of the other shard alone: the main one has nothing to tell, and says so.
+    own = await token(shards.main, {"right": "metrics", "site": AGV, "device": "*"})
+    everywhere = await token(shards.main, {"right": "metrics", "site": "*", "device": "*"})
+
+    async def scrape(headers: dict[str, str]) -> dict[str, float]:
+        answer = await joined.ask("admin", "/metrics", headers)
+        assert answer.status_code in {200, 403}, answer.text
+        return {} if answer.status_code == 403 else linked_in(answer.text)
+
+    # The other shard hears within a second that the protocol is open.
+    async def has_both() -> bool:
+        return await scrape(everywhere) == {AGV: 1.0, LAB: 1.0}
+
+    await until_answered(has_both)
+    assert await scrape(own) == {AGV: 1.0}
+
+
+def linked_in(scraped: str) -> dict[str, float]:
+    return {
         sample.labels["site"]: sample.value
         for family in text_string_to_metric_families(scraped)
         for sample in family.samples
         if sample.name == "talaia_gateway_linked"
     }
-    assert linked == {AGV: 1.0, LAB: 1.0}
