@@ -11,6 +11,7 @@ Long, because the life of one page stands in one place.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import random
 from typing import TYPE_CHECKING
@@ -242,7 +243,9 @@ class _JoinedPage:
             else:
                 if was_open or not told:
                     told = True
-                    await self._tell_away(shard)
+                    # A page that has gone is heard to have: that ends all of this.
+                    with contextlib.suppress(OSError, RuntimeError):
+                        await self._tell_away(shard)
                 pause = 0.5 + random.random()  # noqa: S311 - no secret
                 await asyncio.sleep(pause * self._join.retry_s)
 
