@@ -139,6 +139,8 @@ class SmallPage:
         self.reads = asyncio.Event()
         self.reads.set()
         self.written = 0
+        # Raised whenever it is sent something: it has gone, and nobody knows it yet.
+        self.error = None
         self._says: asyncio.Queue = asyncio.Queue()
         self._says.put_nowait({"type": "websocket.connect"})
         extensions = {FRAME_WRITER: {"write": self._write}} if writes else {}
@@ -174,6 +176,8 @@ class SmallPage:
 
     async def _take(self, message) -> None:
         await self.reads.wait()
+        if self.error is not None:
+            raise self.error
         if message["type"] == "websocket.send":
             data = message.get("bytes")
             assert (data is None) == self.text

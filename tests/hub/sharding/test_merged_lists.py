@@ -107,7 +107,7 @@ async def test_whom_the_main_shard_refuses_gets_its_answer_and_no_other_is_asked
 
 @pytest.mark.parametrize("fault", ["error", "failure", "status", "part", "slow"])
 async def test_a_shard_that_does_not_answer_is_named_and_the_others_are_listed(
-    world, fault, monkeypatch
+    world, fault
 ) -> None:
     world.have_sites()
     match fault:
@@ -124,10 +124,8 @@ async def test_a_shard_that_does_not_answer_is_named_and_the_others_are_listed(
             async def wait(*_) -> None:
                 await asyncio.Future()
 
-            world.lists._apps["east"] = wait
-            route = "GET", "/api/sites"
-            quick = merged_lists._MERGED[route]._replace(wait_s=0.01)
-            monkeypatch.setitem(merged_lists._MERGED, route, quick)
+            apps = {"main": world.main, "east": wait, "west": world.west}
+            world.lists = MergedLists(apps, soon_s=0.01)
     answer = await world.ask("GET", "/api/sites")
     assert answer.status_code == 200
     assert [site["site"] for site in answer.json()] == ["arm", "lab"]

@@ -7,7 +7,7 @@ import asyncio
 from contextlib import asynccontextmanager
 
 import pytest
-from patience import PATIENCE_S, stays
+from patience import PATIENCE_S, stays, until_answered
 
 from talaia.hub.sharding.page_join import PageJoin
 from talaia.wire.browser import (
@@ -387,6 +387,31 @@ class TestTheMainShardAway:
         await stays(0.1, lambda: not world.pages[0].serving.done(), "the page is sent away")
         world.main.denies = 0
         await world.main.end()
+
+
+class TestAPageThatHasGone:
+    """Nobody fails because it cannot be told anything any more."""
+
+    @pytest.mark.parametrize("error", [OSError("gone"), RuntimeError("closed already")])
+    async def test_shards_that_break_meanwhile_are_no_failure_of_the_page_s(
+        self, world, error
+    ) -> None:
+        page, main, east, _ = await world.joined()
+        for end, site in ((main, "lab"), (east, "agv")):
+            await end.say(online(site))
+            await page.hear(SiteUpdate)
+        page.error = error
+        asked = world.main.asked
+        world.main.error = world.east.error = ConnectionError("no hub leads")
+        await main.close(1012)
+        await east.close(1012)
+
+        async def is_asked_again() -> bool:
+            return world.main.asked > asked
+
+        await until_answered(is_asked_again)
+        # As it leaves, what failed would be raised.
+        await page.leave()
 
 
 class TestNumbers:

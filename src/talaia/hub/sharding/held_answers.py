@@ -85,7 +85,7 @@ async def ask_shard(app: ASGIApp, scope: Scope, body: bytes) -> HeldAnswer:
         await asyncio.get_running_loop().create_future()
         return {"type": "http.disconnect"}
 
-    await app(asked, receive, answer.take)
+    await app(asked, receive, answer.add_message)
     return answer.whole()
 
 
@@ -128,7 +128,7 @@ class _Answer:
         self._size = 0
         self._done = False
 
-    async def take(self, message: Message) -> None:
+    async def add_message(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self._start = message
         elif message["type"] == "http.response.body":

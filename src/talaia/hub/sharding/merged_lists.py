@@ -50,14 +50,14 @@ class _Merge(NamedTuple):
 
     Attributes:
         join: bodies by shard, those that answered, the main one first, to one body.
-        wait_s: for so long another shard's answer is waited for.
+        is_long: to look for the answer may take a shard more than a moment.
         by_site: a shard refuses (403) those who may have nothing of its own sites, though they may
             have something of another's.
 
     """
 
     join: Callable[[Mapping[str, bytes]], bytes]
-    wait_s: float = _SOON_S
+    is_long: bool = False
     by_site: bool = False
 
 
@@ -71,11 +71,11 @@ _MERGED: dict[tuple[str, str], _Merge] = {
     ("GET", "/api/commands"): _Merge(_plainly(join_commands)),
     ("GET", "/api/gateways"): _Merge(_plainly(join_gateways)),
     ("GET", "/api/releases"): _Merge(_plainly(join_releases)),
-    ("GET", "/api/storage"): _Merge(_plainly(join_storage), _LATER_S),
-    ("GET", "/api/storage/outlook"): _Merge(_plainly(join_storage), _LATER_S),
+    ("GET", "/api/storage"): _Merge(_plainly(join_storage), is_long=True),
+    ("GET", "/api/storage/outlook"): _Merge(_plainly(join_storage), is_long=True),
     ("GET", "/metrics"): _Merge(lambda bodies: join_metrics(bodies, MAIN), by_site=True),
     ("POST", "/clients/prometheus/read"): _Merge(
-        _plainly(join_past_series), _LATER_S, by_site=True
+        _plainly(join_past_series), is_long=True, by_site=True
     ),
 }
 # These are split by the sites that they name.
@@ -89,11 +89,15 @@ class MergedLists:
         self,
         apps: Mapping[str, ASGIApp],
         shard_of: Callable[[str], Awaitable[str] | str] = lambda _site: MAIN,
+        *,
+        soon_s: float = _SOON_S,
     ) -> None:
         """Ask ``apps``, by the names of their shards; ``main`` is the first of them.
 
-        ``shard_of`` names the shard of a site, at once or later.
+        ``shard_of`` names the shard of a site, at once or later. A list goes without a shard that
+        has not answered within ``soon_s``.
         """
+        self._soon_s = soon_s
         self._apps = apps
         self._rollouts = SplitRollouts(apps, shard_of)
 
@@ -152,7 +156,7 @@ class MergedLists:
     ) -> HeldAnswer | None:
         """Ask a shard that is not the main one; None: it is not to be reached."""
         try:
-            async with asyncio.timeout(merge.wait_s):
+            async with asyncio.timeout(_LATER_S if merge.is_long else self._soon_s):
                 answer = await ask_shard(self._apps[shard], scope, body)
         except OSError as error:
             _LOG.debug("shard %s: %r", shard, error)

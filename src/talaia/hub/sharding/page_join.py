@@ -11,6 +11,7 @@ Long, because the life of one page stands in one place.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import random
 from typing import TYPE_CHECKING
@@ -169,11 +170,11 @@ class _JoinedPage:
                 if message["type"] == "websocket.disconnect":
                     self._gone_code = message.get("code", 1001)
                     break
-                self._take(message)
+                self._lead_message(message)
         finally:
             self._over.set()
 
-    def _take(self, message: Message) -> None:
+    def _lead_message(self, message: Message) -> None:
         """Lead what a page says to its shard; never waits."""
         asked = read_asked(data_of(message))
         if asked is not None and asked.t == "ping":
@@ -242,7 +243,9 @@ class _JoinedPage:
             else:
                 if was_open or not told:
                     told = True
-                    await self._tell_away(shard)
+                    # A page that has gone is heard to have: that ends all of this.
+                    with contextlib.suppress(OSError, RuntimeError):
+                        await self._tell_away(shard)
                 pause = 0.5 + random.random()  # noqa: S311 - no secret
                 await asyncio.sleep(pause * self._join.retry_s)
 
