@@ -115,7 +115,7 @@ class _JoinedPage:
     async def serve(self, receive: Receive) -> None:
         # The wish to connect: each shard's socket has its own.
         await receive()
-        hearing = asyncio.create_task(self._hear_page(receive), name="hear a joined page")
+        hearing = asyncio.create_task(self._hear_page(receive), name="page-hearing")
         over = asyncio.create_task(self._over.wait())
         main = self._begin_shard(MAIN)
         try:
@@ -217,7 +217,7 @@ class _JoinedPage:
     # ── what shards say ──
 
     def _begin_shard(self, shard: str) -> asyncio.Task[None]:
-        task = asyncio.create_task(self._keep_shard(shard), name=f"page at {shard}")
+        task = asyncio.create_task(self._keep_shard(shard), name=f"page-{shard}")
         self._keeping[shard] = task
         return task
 

@@ -89,6 +89,7 @@ class LeadLock:
         shard: str = MAIN_SHARD,
         shards: Collection[str] = (),
         may_take: Callable[[], bool] | None = None,
+        any_plan: bool = False,
     ) -> None:
         """Call ``taken`` when this hub has the lock, and ``lost`` when another one has had it.
 
@@ -103,6 +104,7 @@ class LeadLock:
             shards: into which sites are divided, besides the main one; none: they are not.
             may_take: asked in the thread at each look of a hub that has not led yet: while it says
                 no, nothing is tried; none: it always may.
+            any_plan: it is taken however hubs divide the sites, by a command that takes all.
 
         Raises:
             CannotStart: the database is no server.
@@ -118,7 +120,7 @@ class LeadLock:
             )
         self._words: LeadWords = words.divide(shard) if shards else words
         self._shard, self._plan = shard, PlanCheck(words, shard=shard, shards=shards)
-        self._may_take = may_take
+        self._may_take, self._any_plan = may_take, any_plan
         try:
             self._engine = create_engine(
                 reach.url,
@@ -194,7 +196,8 @@ class LeadLock:
             else:
                 self.answered_ms = round((time.monotonic() - began) * 1000, 2)
             self.tried.set()
-            pause_s = max(self._look_s, _LEADING_LOOK_S) if self.held else self._look_s
+            seldom = self.held or self._holds_back
+            pause_s = max(self._look_s, _LEADING_LOOK_S) if seldom else self._look_s
             if self._stopping.wait(pause_s):
                 break
         with contextlib.suppress(*_FAILURES):
@@ -218,7 +221,7 @@ class LeadLock:
             self._watch_holder()
             return
         # Looked at once more: now nobody else can write down another.
-        if not self._led and not self._plan.fits(self._ask):
+        if not self._led and not self._fits_plan():
             self._ask(self._words.give_back)
             self._waited = True
             return
@@ -237,11 +240,17 @@ class LeadLock:
             self._give_up()
 
     def _may_begin(self) -> bool:
-        if self._may_take is not None and not self._may_take():
+        self._holds_back = self._may_take is not None and not self._may_take()
+        if self._holds_back:
             # How long the database takes is told all the same.
             self._ask(self._words.own)
             return False
-        return not self._plan.is_divided or self._plan.fits(self._ask)
+        # Once it did, it is looked at again with the lock: at each look it would cost as much.
+        return not self._plan.is_divided or self._fitted or self._fits_plan()
+
+    def _fits_plan(self) -> bool:
+        self._fitted = self._any_plan or self._plan.fits(self._ask)
+        return self._fitted
 
     def _watch_holder(self) -> None:
         self._waited = True

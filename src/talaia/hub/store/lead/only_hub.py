@@ -45,7 +45,16 @@ async def _hold_lock(
     url: str, lost: Callable[[], None], *, shard: str, shards: Sequence[str]
 ) -> AsyncIterator[None]:
     taken = threading.Event()
-    lock = LeadLock(url, taken=taken.set, lost=lost, look_s=_LOOK_S, shard=shard, shards=shards)
+    lock = LeadLock(
+        url,
+        taken=taken.set,
+        lost=lost,
+        look_s=_LOOK_S,
+        shard=shard,
+        shards=shards,
+        # Who has the main one's keeps all others from being led by another plan.
+        any_plan=shard != MAIN_SHARD,
+    )
     lock.start_looking()
     try:
         await asyncio.to_thread(lock.tried.wait)
