@@ -39,7 +39,7 @@ __all__ = ["ClusterHub"]
 _LOG = logging.getLogger(__name__)
 # A hub that leads a shard takes another one when nobody has led that for so long, times how many it
 # leads already (s); just after its start it waits longer, for the others are about to come.
-_VACANT_S, _EARLY_S = 3.0, 10.0
+_VACANT_S, _EARLY_S = 3.0, 20.0
 _ENDS = "this hub ends; come again, to another one"
 _NOT_READY = "no hub leads just now; one takes over within seconds"
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.policy_routes import CLIENT_SOCKETS, ROUTES, SOCKETS
-from talaia.hub.sharding.addressing import About, Address, read_address
+from talaia.hub.sharding.addressing import AskedObject, Address, read_address
 from talaia.wire.gateway_proof import KeyProof, proof_words
 
 
@@ -26,21 +26,21 @@ def test_every_route_with_a_site_in_its_path_goes_to_the_shard_of_that_site() ->
     for _, path in ROUTES:
         about = read_address(http(path.replace("{site}", "agv").replace("{gateway}", "7")))
         if "{site}" in path:
-            assert about == Address(About.SITE, "agv"), path
+            assert about == Address(AskedObject.SITE, "agv"), path
         elif "{gateway}" in path:
-            assert about == Address(About.GATEWAY, "7"), path
+            assert about == Address(AskedObject.GATEWAY, "7"), path
         else:
-            assert about == Address(About.HUB), path
+            assert about == Address(AskedObject.HUB), path
 
 
 def test_every_socket_goes_to_the_shard_of_the_site_that_it_names() -> None:
     for path in SOCKETS:
         about = read_address(socket(path, b"site=agv&stream=base/front")).about
-        expected = About.SITE if path.startswith("/ws/") else About.HUB
-        assert about is (About.PAGE if path == "/ws" else expected), path
+        expected = AskedObject.SITE if path.startswith("/ws/") else AskedObject.HUB
+        assert about is (AskedObject.PAGE if path == "/ws" else expected), path
     for path in CLIENT_SOCKETS:
         named = socket(path.replace("{site}", "agv"), b"site=agv")
-        assert read_address(named) == Address(About.SITE, "agv"), path
+        assert read_address(named) == Address(AskedObject.SITE, "agv"), path
 
 
 @pytest.mark.parametrize("path", ["/gateway/link", "/gateway/media", "/gateway/files"])
@@ -49,16 +49,16 @@ def test_a_gateway_says_its_site_or_its_key_as_it_dials(path: str) -> None:
     assert read_address(socket(path, authorization=proof_words(proof))).name == "agv"
     # Before it was asked for a proof.
     first = read_address(socket(path, authorization=proof_words(KeyProof("agv"))))
-    assert first == Address(About.NEW_SITE, "agv")
+    assert first == Address(AskedObject.NEW_SITE, "agv")
     of_before = read_address(socket(path, authorization="Bearer  s3cret"))
-    assert of_before == Address(About.KEY, "s3cret")
-    assert read_address(socket(path)) == Address(About.HUB)
+    assert of_before == Address(AskedObject.KEY, "s3cret")
+    assert read_address(socket(path)) == Address(AskedObject.HUB)
 
 
 def test_of_a_site_that_is_said_twice_the_last_counts_as_for_the_routes() -> None:
     twice = socket("/ws/media", b"site=moon&stream=a/b&site=agv")
-    assert read_address(twice) == Address(About.SITE, "agv")
-    assert read_address(socket("/ws/media", b"stream=a/b")) == Address(About.HUB)
+    assert read_address(twice) == Address(AskedObject.SITE, "agv")
+    assert read_address(socket("/ws/media", b"stream=a/b")) == Address(AskedObject.HUB)
 
 
 @given(path=st.text(), query=st.binary(max_size=40), header=st.binary(max_size=60))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from typing import Any
 
-__all__ = ["About", "Address", "read_address"]
+__all__ = ["AskedObject", "Address", "read_address"]
 
 _SITE_ROUTE = re.compile(r"/api/sites/([^/]+)(?:/.*)?")
 _CLIENT_SOCKET = re.compile(r"/clients/[^/]+/([^/]+)")
@@ -25,7 +25,7 @@ _SOCKETIO = "/socket.io/"
 _MOST_QUERY = 8_192
 
 
-class About(Enum):
+class AskedObject(Enum):
     """What a request is about."""
 
     # Whatever is done once for all sites.
@@ -45,21 +45,21 @@ class About(Enum):
 class Address(NamedTuple):
     """What a request is about, and the name, key or number by which it says so."""
 
-    about: About
+    about: AskedObject
     name: str = ""
 
 
 def read_address(scope: Mapping[str, Any]) -> Address:
     """Tell what an ASGI request is about, by its path, its query or who comes.
 
-    Routes of the hub that are merged of what all shards answer are `About.HUB` here.
+    Routes of the hub that are merged of what all shards answer are `AskedObject.HUB` here.
     """
     path: str = scope["path"]
     if path.startswith("/gateway/"):
         return _read_gateway(scope.get("headers", ()))
     if scope["type"] == "websocket":
         if path == "/ws":
-            return Address(About.PAGE)
+            return Address(AskedObject.PAGE)
         if path in _MEDIA or path == _SOCKETIO:
             return _of_site(_site_of_query(scope.get("query_string", b"")))
         found = _CLIENT_SOCKET.fullmatch(path)
@@ -67,15 +67,15 @@ def read_address(scope: Mapping[str, Any]) -> Address:
     if path == _SOCKETIO:
         return _of_site(_site_of_query(scope.get("query_string", b"")))
     # Servers give the path decoded; a slash in a name would be none of ours.
-    for pattern, about in ((_SITE_ROUTE, About.SITE), (_GATEWAY_ROUTE, About.GATEWAY)):
+    for pattern, about in ((_SITE_ROUTE, AskedObject.SITE), (_GATEWAY_ROUTE, AskedObject.GATEWAY)):
         found = pattern.fullmatch(path)
         if found:
             return Address(about, found[1])
-    return Address(About.HUB)
+    return Address(AskedObject.HUB)
 
 
 def _of_site(name: str) -> Address:
-    return Address(About.SITE, name) if name else Address(About.HUB)
+    return Address(AskedObject.SITE, name) if name else Address(AskedObject.HUB)
 
 
 def _read_gateway(headers: Iterable[tuple[bytes, bytes]]) -> Address:
@@ -83,11 +83,11 @@ def _read_gateway(headers: Iterable[tuple[bytes, bytes]]) -> Address:
     header = said.decode("latin-1")
     proof = read_proof(header)
     if proof is not None:
-        return Address(About.NEW_SITE, proof.site)
+        return Address(AskedObject.NEW_SITE, proof.site)
     kind, _, key = header.partition(" ")
     if kind.lower() == "bearer" and key.strip():
-        return Address(About.KEY, key.strip())
-    return Address(About.HUB)
+        return Address(AskedObject.KEY, key.strip())
+    return Address(AskedObject.HUB)
 
 
 def _site_of_query(query: bytes) -> str:

@@ -109,9 +109,8 @@ class ShardDirectory:
         if not await self._keyed.look_up(site):
             return MAIN
         server = self._first_home(site, await self._count_sites())
-        if self._plan.shard_of_server(server) == MAIN:
-            return MAIN
-        # Another hub may have been quicker: what stands then counts.
+        # One of the main shard, too, or another hub might place it elsewhere meanwhile. Another hub
+        # may have been quicker: what stands then counts.
         home = await self._homes.add_home(site, server)
         self._unplaced.pop(site, None)
         shard = self._shards[site] = self._plan.shard_of_server(home.server)

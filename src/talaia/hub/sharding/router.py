@@ -6,7 +6,7 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from talaia.hub.errors import StoreDown
-from talaia.hub.sharding.addressing import About, read_address
+from talaia.hub.sharding.addressing import AskedObject, read_address
 from talaia.hub.sharding.merged_lists import MergedLists
 from talaia.hub.sharding.page_join import PageJoin
 from talaia.hub.sharding.plan import MAIN
@@ -35,10 +35,10 @@ class ShardRouter:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or serve a socket, to its end."""
         address = read_address(scope)
-        if address.about is About.PAGE:
+        if address.about is AskedObject.PAGE:
             await self._join.serve(scope, receive, send)
         elif (
-            address.about is About.HUB
+            address.about is AskedObject.HUB
             and scope["type"] == "http"
             and self._lists.takes(scope["method"], scope["path"])
         ):
@@ -55,16 +55,16 @@ class ShardRouter:
         # database is away: it says so as it does of everything else.
         with contextlib.suppress(StoreDown):
             match address.about:
-                case About.SITE:
+                case AskedObject.SITE:
                     return await self._directory.find_shard(address.name)
-                case About.NEW_SITE:
+                case AskedObject.NEW_SITE:
                     return await self._directory.place_site(address.name)
-                case About.KEY:
+                case AskedObject.KEY:
                     site = await self._directory.find_site_of_key(address.name)
                     return MAIN if site is None else await self._directory.place_site(site)
-                case About.GATEWAY:
+                case AskedObject.GATEWAY:
                     site = await self._directory.find_site_of_gateway(int(address.name))
                     return MAIN if site is None else await self._directory.find_shard(site)
-                case About.HUB | About.PAGE:
+                case AskedObject.HUB | AskedObject.PAGE:
                     return MAIN
         return MAIN
