@@ -99,11 +99,17 @@ async def test_a_notice_stays_until_every_hub_has_read_it_and_is_acted_on_once(t
     assert heard.notices == [(MAIN, "first"), (EAST, "first")]
     await main.read_files()
     assert [path.name for path in (tmp_path / TAKEN).iterdir()] == ["1.xml"]
-    # Another one of that name is another one.
+    # Another one of that name is another one, also while a hub has not read the first.
     (tmp_path / "1.xml").write_bytes(notice("second one", 2))
+    await main.read_files()
+    (tmp_path / "1.xml").write_bytes(notice("the third", 3))
     for folder in (main, east, main):
         await folder.read_files()
-    assert heard.notices[2:] == [(MAIN, "second one"), (EAST, "second one")]
+    assert heard.notices[2:] == [
+        (MAIN, "second one"),
+        (MAIN, "the third"),
+        (EAST, "the third"),
+    ]
     assert not (tmp_path / "1.xml").exists()
 
 
@@ -127,6 +133,8 @@ async def test_rollouts_of_two_hubs_stand_beside_each_other(shards) -> None:
 
 
 async def test_what_stands_still_is_ended_by_the_hub_that_has_its_site(shards) -> None:
+    # Each looks by itself when it begins.
+    await shards.end(EAST)
     old_s = time.time() - 30 * 86_400
     parts = {}
     for site in (AGV, LAB):
@@ -136,5 +144,6 @@ async def test_what_stands_still_is_ended_by_the_hub_that_has_its_site(shards) -
         os.utime(parts[site], (old_s, old_s))
     await shards.main.hub.archive.uploads.end_standing_uploads()
     assert [parts[site].exists() for site in (AGV, LAB)] == [True, False]
+    await shards.start(EAST)
     await shards.east.hub.archive.uploads.end_standing_uploads()
     assert not parts[AGV].exists()

@@ -13,7 +13,6 @@ from talaia.hub.errors import CannotStart
 from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history
 from talaia.hub.history.servers.history_servers import HistoryServers
-from talaia.hub.history.servers.server_file import read_history_servers
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.sharding.plan import ShardPlan
 from talaia.hub.store.database import open_migrated
@@ -45,7 +44,7 @@ async def list_histories(settings: Settings, tell: Callable[[str], None]) -> Non
 
     """
     async with open_migrated(settings.url) as database:
-        plan = await _read_plan(settings, database)
+        plan = await _read_plan(database)
         homes = {home.site: home for home in await HistoryHomes(database).list_homes()}
         sites = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
     for site in sorted(sites | homes.keys()):
@@ -72,7 +71,8 @@ async def move_history(
         if site not in known and before is None:
             raise CliError(f"there is no site {site!r}; talaia history list names them")
         found = OWN if before is None else before.server
-        crosses = await _changes_shard(settings, database, found, server)
+        plan = await _read_plan(database)
+        crosses = plan.shard_of_server(found) != plan.shard_of_server(server)
         # Hubs know where a site is led for as long as they run; it changes while none does.
         if crosses and not await held.enter_async_context(_without_hubs(settings, database)):
             raise CliError(
@@ -99,18 +99,9 @@ async def move_history(
     tell(f"{site}: {server}")
 
 
-async def _read_plan(settings: Settings, database: Database) -> ShardPlan:
-    """Give the shards that the file names; without one, those that hubs have agreed on."""
-    if settings.history_servers is not None:
-        return read_history_servers(settings.history_servers).plan
+async def _read_plan(database: Database) -> ShardPlan:
+    """Give the shards that hubs have agreed on; a file may say otherwise from their next start."""
     return ShardPlan(tuple(await read_shards(database)))
-
-
-async def _changes_shard(settings: Settings, database: Database, before: str, after: str) -> bool:
-    """Tell whether two servers are of two shards: by the file, or for hubs that may run."""
-    agreed = ShardPlan(tuple(await read_shards(database)))
-    plans = (await _read_plan(settings, database), agreed)
-    return any(plan.shard_of_server(before) != plan.shard_of_server(after) for plan in plans)
 
 
 async def _move_here(settings: Settings, database: Database) -> None:

@@ -8,6 +8,7 @@ that is killed before that takes it again from the beginning, which stores nothi
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import logging
 import os
@@ -178,8 +179,10 @@ class ImportInbox:
         remove_abandoned(self._folder)
         # An answer that nobody has fetched: its reader was ended.
         for path in self._folder.glob(f"*{ANSWER}*"):
-            if time.time() - os.stat(path).st_mtime > _ANSWERS_KEPT_S:
-                path.unlink(missing_ok=True)
+            # Whoever waits for it, or another hub on this folder, may be quicker.
+            with contextlib.suppress(FileNotFoundError):
+                if time.time() - os.stat(path).st_mtime > _ANSWERS_KEPT_S:
+                    path.unlink()
 
 
 def _has_head(path: Path) -> bool:

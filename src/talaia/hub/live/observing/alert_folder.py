@@ -8,6 +8,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from talaia.hub.errors import StoreDown
+from talaia.hub.live.observing.notice_readers import name_content
 from talaia.hub.live.observing.observing_sites import is_observatory
 from talaia.wire.alerts.read_notice import parse_notice
 from talaia.wire.errors import PeerError
@@ -85,9 +86,11 @@ class AlertFolder:
             await self._take_file(path)
             return
         if not await asyncio.to_thread(readers.has_read, path):
+            # Before it is read: what comes in its place meanwhile is not read yet.
+            content = await asyncio.to_thread(name_content, path)
             if not await self._take_file(path, keep=True):
                 return
-            await asyncio.to_thread(readers.mark_read, path)
+            await asyncio.to_thread(readers.mark_read, path, content)
         # Only when all have: whoever is away for a while finds it when it is back.
         if await asyncio.to_thread(readers.may_move, path):
             await asyncio.to_thread(_move_file, path, TAKEN)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-__all__ = ["NoticeReaders"]
+__all__ = ["NoticeReaders", "name_content"]
 
 # Inside the folder of notices: a folder for each reader, with a mark for each file.
 _MARKS = ".read"
@@ -29,8 +29,8 @@ class NoticeReaders:
         """Tell whether this reader has read a file."""
         return self._is_marked(path, self._own)
 
-    def mark_read(self, path: Path) -> None:
-        """Write down that this reader has read a file.
+    def mark_read(self, path: Path, content: str) -> None:
+        """Write down that this reader has read what a file was before (`name_content`).
 
         Raises:
             OSError: it cannot be written; the file is read once more.
@@ -38,7 +38,7 @@ class NoticeReaders:
         """
         mark = self._mark_of(path, self._own)
         mark.parent.mkdir(parents=True, exist_ok=True)
-        mark.write_text(_name_content(path), "ascii")
+        mark.write_text(content, "ascii")
 
     def may_move(self, path: Path) -> bool:
         """Tell whether all have read a file, and it is this one who moves it."""
@@ -54,7 +54,7 @@ class NoticeReaders:
 
     def _is_marked(self, path: Path, reader: str) -> bool:
         try:
-            return self._mark_of(path, reader).read_text("ascii") == _name_content(path)
+            return self._mark_of(path, reader).read_text("ascii") == name_content(path)
         except FileNotFoundError:
             return False
 
@@ -63,7 +63,12 @@ class NoticeReaders:
         return path.parent / _MARKS / reader / path.name
 
 
-def _name_content(path: Path) -> str:
-    """Tell a file from another one of its name."""
+def name_content(path: Path) -> str:
+    """Tell a file from another one of its name.
+
+    Raises:
+        OSError: it is gone.
+
+    """
     found = path.stat()
     return f"{found.st_mtime_ns} {found.st_size}"

@@ -54,7 +54,7 @@ def _shards_in(agreed: str) -> list[str]:
     return agreed.split()[1:]
 
 
-def _say(agreed: str) -> str:
+def _name_agreed(agreed: str) -> str:
     shards = _shards_in(agreed)
     if not shards:
         return "no shards"
@@ -83,15 +83,15 @@ class PlanCheck:
             return True
         if self._shard != MAIN_SHARD:
             # The lead of the main shard writes it when it begins; until then it is not told.
-            why = "" if not found else f"the hubs that lead have {_say(found)}"
+            why = "" if not found else f"the hubs that lead have {_name_agreed(found)}"
         else:
             led = [shard for shard in _shards_in(found or "") if self._is_led(shard, ask)]
             if not led:
                 return True
-            why = f"hubs with {_say(found or '')} lead {', '.join(led)}"
+            why = f"hubs with {_name_agreed(found or '')} lead {', '.join(led)}"
         if why and why != self._said:
             self._said = why
-            here = _say(self._wanted)
+            here = _name_agreed(self._wanted)
             _LOG.warning("this hub, with %s, does not lead %s: %s", here, self._shard, why)
         return False
 
@@ -152,9 +152,8 @@ async def agree_on_plan(
     if found == wanted:
         return
     if shard != MAIN_SHARD:
-        raise CannotStart(
-            f"the hubs that lead have {_say(found)}, and this one has {_say(wanted)}", _REMEDY
-        )
+        theirs, mine = _name_agreed(found), _name_agreed(wanted)
+        raise CannotStart(f"the hubs that lead have {theirs}, and this one has {mine}", _REMEDY)
     async with _locks_held(database, _shards_in(found)), database.write() as connection:
         await connection.execute(delete(hub_plan))
         await connection.execute(insert(hub_plan).values(id=_ROW, agreed=wanted))
@@ -166,7 +165,7 @@ async def agree_on_plan(
         )
         if shards:
             await _settle_sites(connection)
-    _LOG.info("the hubs have %s from now on", _say(wanted))
+    _LOG.info("the hubs have %s from now on", _name_agreed(wanted))
 
 
 async def _settle_sites(connection: AsyncConnection) -> None:
@@ -202,7 +201,7 @@ async def _locks_held(database: Database, shards: Collection[str]) -> AsyncItera
                 if lead is None:
                     break
                 words = lead.divide(shard)
-                await _take(connection, words, shard)
+                await _take_lock(connection, words, shard)
                 held.append(words)
                 await _end_others(connection, words)
             yield
@@ -213,7 +212,7 @@ async def _locks_held(database: Database, shards: Collection[str]) -> AsyncItera
                     await connection.execute(text(words.give_back))
 
 
-async def _take(connection: AsyncConnection, words: LeadWords, shard: str) -> None:
+async def _take_lock(connection: AsyncConnection, words: LeadWords, shard: str) -> None:
     until_s = asyncio.get_running_loop().time() + _WAIT_S
     while not await connection.scalar(text(words.take)):
         if asyncio.get_running_loop().time() > until_s:

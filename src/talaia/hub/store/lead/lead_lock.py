@@ -145,6 +145,9 @@ class LeadLock:
         # Another hub had it when this one looked first: it is a take-over.
         self._waited = False
         self._waiting_looks = 0
+        # It may not take it yet, as ``may_take`` says; and the sites are divided as here, as far as
+        # was seen.
+        self._holds_back = self._fitted = False
         self._thread = threading.Thread(target=self._run, name="lead-lock", daemon=True)
 
     @property
