@@ -159,6 +159,12 @@ async def test_what_shards_tell_comes_as_the_bytes_that_they_wrote(world, text) 
     assert [said.sub for said in page.heard.all] == [9, 9]
 
 
+async def test_a_page_that_is_greeted_by_a_written_frame_comes_to_the_other_shards(world) -> None:
+    world.main.writes_greeting = True
+    page, *_ = await world.joined()
+    assert page.written == 1
+
+
 async def test_a_frame_that_cannot_be_written_at_once_is_left_to_be_sent(world) -> None:
     page, main, east, _ = await world.joined()
     page.reads.clear()
