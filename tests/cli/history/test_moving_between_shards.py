@@ -11,6 +11,7 @@ from hub.conftest import DESCRIPTION, settings_in
 from hub.databases import empty_database
 from hub.history.servers.samples_sent import assert_whole, send
 from patience import PATIENCE_S
+from sqlalchemy import update
 
 from talaia.cli.errors import CliError
 from talaia.cli.history.moving import list_histories, move_history
@@ -19,11 +20,11 @@ from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history
 from talaia.hub.lock import hub_lock
 from talaia.hub.sharding.plan import ShardPlan
-from talaia.hub.store.database import Database
+from talaia.hub.store.database import Database, open_migrated
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
-from talaia.hub.store.lead import only_hub
 from talaia.hub.store.lead.hub_plan import agree_on_plan
 from talaia.hub.store.lead.lead_lock import LeadLock
+from talaia.hub.store.lead.lead_table import hub_plan
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 PLAN = ShardPlan(("east",))
@@ -101,10 +102,7 @@ async def test_it_is_refused_while_a_hub_runs_and_nothing_is_asked_for(settings)
 
 @pytest.mark.parametrize("settings", ["postgresql", "mariadb"], indirect=True)
 @pytest.mark.parametrize("shard", ["main", "east"])
-async def test_a_lead_of_any_shard_on_another_machine_is_a_hub_that_runs(
-    settings, shard, monkeypatch
-) -> None:
-    monkeypatch.setattr(only_hub, "_WAIT_S", 0.1)
+async def test_a_lead_of_any_shard_on_another_machine_is_a_hub_that_runs(settings, shard) -> None:
     await have_site(settings)
     taken = threading.Event()
     lock = LeadLock(settings.url, taken=taken.set, lost=print, shard=shard, shards=PLAN.names)
@@ -112,7 +110,7 @@ async def test_a_lead_of_any_shard_on_another_machine_is_a_hub_that_runs(
     try:
         assert await asyncio.to_thread(taken.wait, PATIENCE_S)
         with pytest.raises(CliError, match="'east' is of another shard than 'own'"):
-            await move_history(settings, "agv", "east", print)
+            await move_history(settings, "agv", "east", print, wait_s=0.1)
     finally:
         await asyncio.to_thread(lock.stop_looking)
 
@@ -142,9 +140,11 @@ async def test_no_lead_begins_meanwhile(settings) -> None:
 
 
 @pytest.mark.parametrize("settings", ["postgresql"], indirect=True)
-async def test_a_program_of_another_version_moves_it_too(settings, monkeypatch) -> None:
+async def test_a_program_of_another_version_moves_it_too(settings) -> None:
     await have_site(settings)
-    monkeypatch.setattr("talaia.hub.store.lead.hub_plan.last_migration", lambda: "9999")
+    async with open_migrated(settings.url) as database, database.write() as connection:
+        # As hubs of another version have written it down.
+        await connection.execute(update(hub_plan).values(agreed="9999 east"))
     said = []
     await move_history(settings, "agv", "east", said.append)
     assert said[-1] == "agv: east"

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.policy_routes import CLIENT_SOCKETS, ROUTES, SOCKETS
-from talaia.hub.sharding.addressing import AskedObject, Address, read_address
+from talaia.hub.sharding.addressing import Address, AskedObject, read_address
 from talaia.wire.gateway_proof import KeyProof, proof_words
 
 

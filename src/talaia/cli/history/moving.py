@@ -20,7 +20,7 @@ from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.hub.store.lead.hub_plan import read_shards
-from talaia.hub.store.lead.only_hub import hold_only_hub
+from talaia.hub.store.lead.only_hub import WAIT_S, hold_only_hub
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
@@ -55,9 +55,16 @@ async def list_histories(settings: Settings, tell: Callable[[str], None]) -> Non
 
 
 async def move_history(
-    settings: Settings, site: str, server: str, tell: Callable[[str], None]
+    settings: Settings,
+    site: str,
+    server: str,
+    tell: Callable[[str], None],
+    *,
+    wait_s: float = WAIT_S,
 ) -> None:
     """Move a site's history, and tell how far it is.
+
+    A hub that is about to end is waited for ``wait_s``, where none may run.
 
     Raises:
         HubError: the database cannot be opened.
@@ -74,7 +81,8 @@ async def move_history(
         plan = await _read_plan(database)
         crosses = plan.shard_of_server(found) != plan.shard_of_server(server)
         # Hubs know where a site is led for as long as they run; it changes while none does.
-        if crosses and not await held.enter_async_context(_without_hubs(settings, database)):
+        free = _without_hubs(settings, database, wait_s)
+        if crosses and not await held.enter_async_context(free):
             raise CliError(
                 f"{server!r} is of another shard than {found!r}, where {site} is: a site changes"
                 " its shard only while no hub runs; end all hubs, then run this again"
@@ -106,7 +114,7 @@ async def _read_plan(database: Database) -> ShardPlan:
 
 async def _move_here(settings: Settings, database: Database) -> None:
     """Do it where no hub runs; else the hub does."""
-    async with _without_hubs(settings, database) as alone:
+    async with _without_hubs(settings, database, WAIT_S) as alone:
         if alone:
             await _move_once(settings, database)
 
@@ -124,7 +132,9 @@ async def _move_once(settings: Settings, database: Database) -> None:
 
 
 @contextlib.asynccontextmanager
-async def _without_hubs(settings: Settings, database: Database) -> AsyncIterator[bool]:
+async def _without_hubs(
+    settings: Settings, database: Database, wait_s: float
+) -> AsyncIterator[bool]:
     """Keep hubs from starting meanwhile; gives False where one runs."""
     async with contextlib.AsyncExitStack() as held:
         alone = True
@@ -132,7 +142,7 @@ async def _without_hubs(settings: Settings, database: Database) -> AsyncIterator
             held.enter_context(hub_lock(settings.data))
             if parse_database_url(settings.url).dialect.is_server:
                 shards = await read_shards(database)
-                only = hold_only_hub(settings.url, lambda: None, shards=shards)
+                only = hold_only_hub(settings.url, lambda: None, shards=shards, wait_s=wait_s)
                 await held.enter_async_context(only)
         # Of this folder, or on another machine.
         except (HubRuns, CannotStart):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from typing import Any
 
-__all__ = ["AskedObject", "Address", "read_address"]
+__all__ = ["Address", "AskedObject", "read_address"]
 
 _SITE_ROUTE = re.compile(r"/api/sites/([^/]+)(?:/.*)?")
 _CLIENT_SOCKET = re.compile(r"/clients/[^/]+/([^/]+)")

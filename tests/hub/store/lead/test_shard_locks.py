@@ -13,7 +13,6 @@ from talaia.hub.history.engine import open_engine
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_tables import channel
-from talaia.hub.store.lead import hub_plan, only_hub
 from talaia.hub.store.lead.hub_plan import agree_on_plan, read_shards
 from talaia.hub.store.lead.lead_claim import claim_lead
 from talaia.hub.store.lead.lead_lock import LeadLock
@@ -185,14 +184,13 @@ async def test_a_hub_with_other_shards_leads_none_until_those_of_before_are_gone
             assert await asyncio.to_thread(east_anew.taken.wait, PATIENCE_S)
 
 
-async def test_a_hub_alone_is_refused_while_a_shard_has_a_lead(url, monkeypatch) -> None:
-    monkeypatch.setattr(only_hub, "_WAIT_S", 0.1)
+async def test_a_hub_alone_is_refused_while_a_shard_has_a_lead(url) -> None:
     await asyncio.to_thread(agree, url, ["east"])
     with Held(url, "east", shards=["east"]) as east:
         assert east.taken.wait(PATIENCE_S)
         for shards in ((), ("east",)):
             with pytest.raises(CannotStart, match="another hub uses this database"):
-                await hold_only_hub(url, print, shards=shards).__aenter__()
+                await hold_only_hub(url, print, shards=shards, wait_s=0.1).__aenter__()
     async with hold_only_hub(url, print, shards=["east"]):
         with Held(url, "east", shards=["east"]) as other:
             assert not other.taken.is_set()
@@ -233,14 +231,13 @@ async def test_a_shards_lead_leads_on_when_its_lock_was_gone_for_a_moment(url) -
     await database.close()
 
 
-async def test_a_plan_is_not_changed_while_a_shard_has_a_lead(url, monkeypatch) -> None:
-    monkeypatch.setattr(hub_plan, "_WAIT_S", 0.1)
+async def test_a_plan_is_not_changed_while_a_shard_has_a_lead(url) -> None:
     database = Database(url)
     await agree_on_plan(database, ["east"])
     with Held(url, "east", shards=["east"]) as east:
         assert east.taken.wait(PATIENCE_S)
         with pytest.raises(CannotStart, match="a hub with other shards leads 'east' yet"):
-            await agree_on_plan(database, ["west"])
+            await agree_on_plan(database, ["west"], wait_s=0.1)
     assert await read_shards(database) == ["east"]
     await agree_on_plan(database, ["west"])
     assert await read_shards(database) == ["west"]

@@ -79,7 +79,7 @@ function renderShard(shard: ShardShape): TemplateResult {
         }
       </div>
     </div>
-    <t-status kind=${shard.lead === "" ? "offline" : "online"} word=${shard.lead === "" ? msg("dark") : msg("led")}></t-status>
+    <t-status kind=${shard.lead === "" ? "offline" : "online"} word=${shard.lead === "" ? msg("no lead") : msg("led")}></t-status>
   </li>`;
 }
 

@@ -129,7 +129,11 @@ async def read_shards(database: Database) -> list[str]:
 
 
 async def agree_on_plan(
-    database: Database, shards: Collection[str], *, shard: str = MAIN_SHARD
+    database: Database,
+    shards: Collection[str],
+    *,
+    shard: str = MAIN_SHARD,
+    wait_s: float = _WAIT_S,
 ) -> None:
     """See that this hub, which has a shard's lock, divides the sites as all that lead do.
 
@@ -140,6 +144,7 @@ async def agree_on_plan(
         database: of the accounts.
         shards: besides the main one; none: the sites are not divided.
         shard: whose lock this hub has.
+        wait_s: so long a shard of before is waited for that has a lead yet.
 
     Raises:
         CannotStart: hubs that divide them in another way lead yet.
@@ -154,7 +159,8 @@ async def agree_on_plan(
     if shard != MAIN_SHARD:
         theirs, mine = _name_agreed(found), _name_agreed(wanted)
         raise CannotStart(f"the hubs that lead have {theirs}, and this one has {mine}", _REMEDY)
-    async with _locks_held(database, _shards_in(found)), database.write() as connection:
+    held = _locks_held(database, _shards_in(found), wait_s)
+    async with held, database.write() as connection:
         await connection.execute(delete(hub_plan))
         await connection.execute(insert(hub_plan).values(id=_ROW, agreed=wanted))
         # One that lost its lock for a moment sees by it that it leads no more.
@@ -185,7 +191,9 @@ async def _settle_sites(connection: AsyncConnection) -> None:
 
 
 @contextlib.asynccontextmanager
-async def _locks_held(database: Database, shards: Collection[str]) -> AsyncIterator[None]:
+async def _locks_held(
+    database: Database, shards: Collection[str], wait_s: float
+) -> AsyncIterator[None]:
     """Have the locks of shards meanwhile, with nothing of their former leads open.
 
     Raises:
@@ -201,7 +209,8 @@ async def _locks_held(database: Database, shards: Collection[str]) -> AsyncItera
                 if lead is None:
                     break
                 words = lead.divide(shard)
-                await _take_lock(connection, words, shard)
+                if not await _take_lock(connection, words, wait_s):
+                    raise CannotStart(f"a hub with other shards leads {shard!r} yet", _REMEDY)
                 held.append(words)
                 await _end_others(connection, words)
             yield
@@ -212,12 +221,13 @@ async def _locks_held(database: Database, shards: Collection[str]) -> AsyncItera
                     await connection.execute(text(words.give_back))
 
 
-async def _take_lock(connection: AsyncConnection, words: LeadWords, shard: str) -> None:
-    until_s = asyncio.get_running_loop().time() + _WAIT_S
+async def _take_lock(connection: AsyncConnection, words: LeadWords, wait_s: float) -> bool:
+    until_s = asyncio.get_running_loop().time() + wait_s
     while not await connection.scalar(text(words.take)):
         if asyncio.get_running_loop().time() > until_s:
-            raise CannotStart(f"a hub with other shards leads {shard!r} yet", _REMEDY)
+            return False
         await asyncio.sleep(_LOOK_S)
+    return True
 
 
 async def _end_others(connection: AsyncConnection, words: LeadWords) -> None:

@@ -14,19 +14,25 @@ from talaia.hub.store.lead.lead_lock import LeadLock
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Sequence
 
-__all__ = ["hold_only_hub"]
+__all__ = ["WAIT_S", "hold_only_hub"]
 
 # The server may not have seen yet that the hub before this one has ended (s).
-_WAIT_S = 5.0
+WAIT_S = 5.0
 # Nobody waits for the lock of a hub that is alone (s).
 _LOOK_S = 1.0
 
 
 @contextlib.asynccontextmanager
 async def hold_only_hub(
-    url: str, lost: Callable[[], None], *, shards: Sequence[str] = ()
+    url: str,
+    lost: Callable[[], None],
+    *,
+    shards: Sequence[str] = (),
+    wait_s: float = WAIT_S,
 ) -> AsyncIterator[None]:
     """Have a server's database alone; ``lost`` is called, in a thread, when another one has it.
+
+    Another one that is about to end is waited for ``wait_s``.
 
     ``shards``: those that hubs have agreed on, for a command that has them all.
 
@@ -36,13 +42,14 @@ async def hold_only_hub(
     """
     async with contextlib.AsyncExitStack() as held:
         for shard in (MAIN_SHARD, *shards):
-            await held.enter_async_context(_hold_lock(url, lost, shard=shard, shards=shards))
+            lock = _hold_lock(url, lost, shard=shard, shards=shards, wait_s=wait_s)
+            await held.enter_async_context(lock)
         yield
 
 
 @contextlib.asynccontextmanager
 async def _hold_lock(
-    url: str, lost: Callable[[], None], *, shard: str, shards: Sequence[str]
+    url: str, lost: Callable[[], None], *, shard: str, shards: Sequence[str], wait_s: float
 ) -> AsyncIterator[None]:
     taken = threading.Event()
     lock = LeadLock(
@@ -60,7 +67,7 @@ async def _hold_lock(
         await asyncio.to_thread(lock.tried.wait)
         # A database that does not answer is told of by whoever opens it.
         if lock.answered_ms:
-            await asyncio.to_thread(taken.wait, _WAIT_S)
+            await asyncio.to_thread(taken.wait, wait_s)
         if lock.answered_ms and not taken.is_set():
             raise CannotStart(
                 "another hub uses this database",
