@@ -1,7 +1,7 @@
 """Two hubs as one beside one hub: latency, processor time, memory, a hub that is killed.
 
     PYTHONPATH=src python bench/cluster.py          all of it, about twelve minutes
-    PYTHONPATH=src python bench/cluster.py way cpu  some: way, cpu, gateways, pages, kill
+    PYTHONPATH=src python bench/cluster.py way cpu  some: way, cpu, gateways, pages, kill, shards
     PYTHONPATH=src python bench/cluster.py gateways 50 100    with other numbers (or: pages 200)
 
 Needs nats-server, and PostgreSQL at TALAIA_TEST_POSTGRESQL. Two hubs are a lead and one that hands
@@ -268,6 +268,32 @@ async def pages_(count: int = PAGES) -> list[Figure]:
     ]  # fmt: skip
 
 
+async def shards_(count: int = 200) -> list[Figure]:
+    """What the busiest of three hubs takes of gateways: where one leads, and two shards do."""
+    used = []
+    for shards in (0, 2):
+        async with deployment(3, shards=shards) as here:
+            await asyncio.sleep(2)
+            idle = await here.cpu_over(10)
+            ports = [hub.port for hub in here.hubs]
+            async with crowd_at(here.settings, ports, "-", count, SIGNALS) as many:
+                await many.all_back(600)
+                await many.all_kept(120)
+                await asyncio.sleep(4)
+                used.append((idle, await here.cpu_over(20)))
+    (idle_one, one), (idle_two, two) = used
+    return [
+        Figure("three hubs without sites, one lead", 100 * idle_one.sum(), math.inf, "% of a core"),
+        Figure("the same with a main shard and two more", 100 * idle_two.sum(), math.inf,
+               "% of a core"),
+        Figure(f"{count} gateways, one lead: the busiest hub", 100 * one.max(), math.inf,
+               "% of a core"),
+        Figure("two shards: the busiest hub", 100 * two.max(), math.inf, "% of a core"),
+        Figure("the same beside the one lead", two.max() / one.max(), 0.7, "times"),
+        Figure("all hubs together beside those of one lead", two.sum() / one.sum(), 1.2, "times"),
+    ]  # fmt: skip
+
+
 async def kill() -> list[Figure]:
     """The lead of two is killed, with 200 gateways at both."""
     async with deployment(2) as here:
@@ -299,6 +325,7 @@ PARTS: dict[str, Callable[..., Coroutine[Any, Any, list[Figure]]]] = {
     "gateways": gateways,
     "pages": pages_,
     "kill": kill,
+    "shards": shards_,
 }
 
 
@@ -311,7 +338,11 @@ def main() -> int:
     for name in [word for word in words if not word.isdecimal()] or PARTS:
         load = " ".join(f"{one:.1f}" for one in os.getloadavg())
         print(f"── {name}: {(PARTS[name].__doc__ or '').strip()} (load {load})", flush=True)
-        chosen = {"gateways": (counts,), "pages": counts[:1]}.get(name, ()) if counts else ()
+        chosen = (
+            {"gateways": (counts,), "pages": counts[:1], "shards": counts[:1]}.get(name, ())
+            if counts
+            else ()
+        )
         part: Coroutine[Any, Any, list[Figure]] = PARTS[name](*chosen)
         over += show_figures(asyncio.run(part))
     return 1 if over else 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import os
 import secrets
 import shutil
@@ -34,13 +35,14 @@ PEOPLE = 6
 class Hub:
     """One of the hubs, as a process; ``nats`` is none for one that is alone."""
 
-    def __init__(self, folder: Path, url: str, nats: int | None, name: str) -> None:
-        """Prepare to start one."""
+    def __init__(self, folder: Path, url: str, nats: int | None, name: str, *more: str) -> None:
+        """Prepare to start one, with ``more`` words."""
         self.folder, self.port, self.name = folder / name, free_port(), name
         self._words = ["-m", "talaia", "hub", "--plain", "--port", str(self.port)]
         self._words += ["--data", str(self.folder)]
         if nats is not None:
             self._words += ["--cluster", f"nats://127.0.0.1:{nats}", "--cluster-name", name]
+        self._words += more
         self._environment = {**os.environ, "TALAIA_DATABASE_URL": url, "PYTHONUNBUFFERED": "1"}
         self.lines: list[str] = []
 
@@ -142,15 +144,27 @@ class Deployment:
 
 
 @contextlib.asynccontextmanager
-async def deployment(count: int) -> AsyncIterator[Deployment]:
-    """Run hubs on a database of PostgreSQL that is made for them; one is alone, without NATS."""
+async def deployment(count: int, *, shards: int = 0) -> AsyncIterator[Deployment]:
+    """Run hubs on a database of PostgreSQL that is made for them; one is alone, without NATS.
+
+    Sites are divided among ``shards`` besides the main one, which then has the accounts alone.
+    """
     async with contextlib.AsyncExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="talaia-cluster-")))
         url = stack.enter_context(_database())
         nats = None
         if count > 1:
             nats = await stack.enter_async_context(_nats())
-        hubs = [Hub(folder, url, nats, name) for name in ("east", "west", "south")[:count]]
+        more = []
+        if shards:
+            servers = {f"shard{at}": stack.enter_context(_database()) for at in range(shards)}
+            text = {"servers": servers, "shards": list(servers), "default": list(servers)}
+            # JSON is YAML.
+            (folder / "servers.yaml").write_text(json.dumps(text))
+            (folder / "servers.yaml").chmod(0o600)
+            more = ["--history-servers", str(folder / "servers.yaml")]
+        names = ("east", "west", "south", "north")[:count]
+        hubs = [Hub(folder, url, nats, name, *more) for name in names]
         seal = secrets.token_bytes(32)
         for hub in hubs:
             hub.folder.mkdir(mode=0o700)
@@ -165,6 +179,8 @@ async def deployment(count: int) -> AsyncIterator[Deployment]:
             await hub.start("leads" if leads else "is ready")
             stack.push_async_callback(hub.end)
         while not all([await hub.is_ready() for hub in hubs]):
+            await asyncio.sleep(0.1)
+        while sum("leads:" in line for hub in hubs for line in hub.lines) < 1 + shards and shards:
             await asyncio.sleep(0.1)
         here.sessions = await hubs[0].sign_in()
         yield here

@@ -75,6 +75,8 @@ SPEAKING = (
     "hub/live/pages/message_authorizer.py",
     "hub/live/pages/page_*.py",
     "hub/live/pages/session_registry.py",
+    "hub/sharding/page_join.py",
+    "hub/sharding/split_rollouts.py",
     "planner/session.py",
     "planner/why_not.py",
 )

@@ -103,7 +103,8 @@ def manifests_of(folder: Path) -> list[dict]:
 def test_compose_haproxy_nats_and_kustomize_accept_the_files_of_several_hubs(
     tmp_path: Path, bucket: list[str], *, more: bool
 ) -> None:
-    several_hubs(tmp_path, *([*bucket, "--history-servers", "2"] if more else ()))
+    words = [*bucket, "--history-servers", "2", "--shards"]
+    several_hubs(tmp_path, *(words if more else ()))
     compose, haproxy = shutil.which("docker-compose"), shutil.which("haproxy", path=SYSTEM_PATH)
     nats, kubectl = shutil.which("nats-server", path=SYSTEM_PATH), shutil.which("kubectl")
     # Names of containers are none here, and neither is the folder of their secrets.
@@ -194,6 +195,34 @@ def test_histories_have_databases_of_their_own_that_each_hub_is_told_of(tmp_path
     site = ["generate", str(EXAMPLE), "--to", str(tmp_path), "--hubs", "3", "--force"]
     assert main([*site, "--history-servers", "3"]) == 2
     assert not (secrets / "history-3_password").exists()
+
+
+def test_sites_are_divided_where_that_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--history-servers", "2", "--shards"]
+    several_hubs(tmp_path, *words)
+    secrets = tmp_path / "secrets"
+    kept = {}
+    for file in ("history_servers.yaml", "kubernetes_history_servers.yaml"):
+        # As a hub reads it.
+        here = tmp_path / "servers.yaml"
+        kept[file] = (secrets / file).read_text()
+        here.write_text(kept[file].replace("/run/secrets", str(secrets)))
+        named = read_history_servers(here)
+        assert named.plan.names == named.default == ("history-1", "history-2")
+    assert "divided among 3 leads" in (tmp_path / "README.md").read_text()
+    several_hubs(tmp_path, *words, "--force")
+    # What has passwords is not written anew: it has to say itself what it is to say.
+    capsys.readouterr()
+    site = ["generate", str(EXAMPLE), "--to", str(tmp_path), "--hubs", "3", "--force"]
+    assert main([*site, "--history-servers", "2"]) == 2
+    assert "is kept, and has shards; add --shards" in capsys.readouterr().err
+    for file, text in kept.items():
+        assert (secrets / file).read_text() == text
+        (secrets / file).write_text(text.replace("\nshards:", "\n# shards:"))
+    assert main([*site, *words]) == 2
+    assert "is kept, and has no shards; end all hubs, write" in capsys.readouterr().err
 
 
 def test_hubs_keep_their_files_in_a_bucket_whose_key_is_a_secret(
@@ -301,6 +330,11 @@ def test_pods_are_bounded_probed_and_get_their_secrets_by_name(tmp_path: Path) -
         (["--hubs", "3", "--database", "mariadb"], "with PostgreSQL, not mariadb"),
         (["--history-servers", "2"], "they are written for several hubs; add --hubs 3"),
         (["--hubs", "3", "--history-servers", "0"], "--history-servers: expected 1 to 9, found 0"),
+        (["--hubs", "3", "--shards"], "add --hubs 3 --history-servers 2"),
+        (
+            ["--hubs", "3", "--history-servers", "3", "--shards"],
+            "3 shards and the main one have a lead each, so name at least 4 hubs",
+        ),
         (["--files", "s3://robots"], "a bucket is written for several hubs; add --hubs 3"),
         (["--hubs", "3", "--files", "s3://robots"], "--files needs --files-key-file"),
         (

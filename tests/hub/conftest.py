@@ -285,10 +285,10 @@ class RunningHub:
     # The gateway of a fixture that has linked one.
     linked: Gateway | None = None
 
-    def __init__(self, settings: Settings, history: MemoryHistory) -> None:
+    def __init__(self, settings: Settings, history: MemoryHistory, *, seat=None) -> None:
         self.settings = settings
         self.history = history
-        self.hub = build_hub(settings, SystemClock(), history)
+        self.hub = build_hub(settings, SystemClock(), history, seat=seat)
         self.people = People(self.hub.core.database, SystemClock())
         self.keys = {}
         self._stack = AsyncExitStack()

@@ -94,6 +94,11 @@ class OneHub:
         async with asyncio.timeout(PATIENCE_S):
             await self._leads.wait()
 
+    def leads_shard(self, shard: str) -> bool:
+        """Tell whether it has said that it leads a shard; of the main one, too."""
+        more = "" if shard == "main" else f" (shard {shard})"
+        return f"talaia hub leads: {self.name}{more}\n" in self.said
+
     async def until_ready(self) -> None:
         """Wait until a load balancer would send somebody here."""
         await until_answered(self.is_ready)
@@ -171,10 +176,16 @@ class Hubs:
         async with hub.client() as client:
             answer = await client.post("/api/setup", json={**ADA, "token": token})
             assert answer.status_code == 200, answer.text
-            code = (await client.post("/api/gateways/codes", json={"site": "agv"})).json()["code"]
-            enrolled = await client.post("/api/enrol", json={"code": code, "name": "bench"})
-            self.gateway_key = str(enrolled.json()["key"])
             self.cookie = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
+        self.gateway_key = await self.enrol(hub, "agv")
+
+    async def enrol(self, hub: OneHub, site: str) -> str:
+        """Give the key of a new gateway of a site."""
+        async with hub.client() as client:
+            client.headers["Cookie"] = self.cookie
+            code = (await client.post("/api/gateways/codes", json={"site": site})).json()["code"]
+            enrolled = await client.post("/api/enrol", json={"code": code, "name": "bench"})
+            return str(enrolled.json()["key"])
 
     async def page(self, hub: OneHub) -> Peer:
         """Open a page's socket at a hub."""
@@ -182,9 +193,9 @@ class Hubs:
         connection = await self._dial(hub, "/ws", headers)
         return self._keep(Peer(connection, FROM_BROWSER, TO_BROWSER))
 
-    async def gateway(self, hub: OneHub) -> Gateway:
-        """Open a gateway's link at a hub."""
-        headers = {"Authorization": f"Bearer {self.gateway_key}"}
+    async def gateway(self, hub: OneHub, key: str = "") -> Gateway:
+        """Open a gateway's link at a hub, by a key; none: that of the first gateway."""
+        headers = {"Authorization": f"Bearer {key or self.gateway_key}"}
         connection = await self._dial(hub, "/gateway/link", headers)
         return self._keep(Gateway(connection, LINK_FROM_GATEWAY, LINK_FROM_HUB))
 

@@ -75,6 +75,7 @@ def main(argv: Sequence[str]) -> int:
         hubs=options.hubs or 1,
         files=_choose_files(options),
         history_servers=_choose_histories(options),
+        shards=options.shards,
     )
     password = _kept_password(options.to, choice) if options.force else ""
     # The text as it is, with its comments: the copy is what a person goes on to edit.
@@ -111,6 +112,10 @@ def _choose_database(options: argparse.Namespace) -> DatabaseKind:
 
 def _choose_histories(options: argparse.Namespace) -> int:
     if options.history_servers is None:
+        if options.shards:
+            raise CliError(
+                "--shards: each is a database of histories; add --hubs 3 --history-servers 2"
+            )
         return 0
     if options.hubs is None:
         raise CliError("--history-servers: they are written for several hubs; add --hubs 3")
@@ -118,6 +123,12 @@ def _choose_histories(options: argparse.Namespace) -> int:
         raise CliError(
             f"--history-servers: expected 1 to {MOST_HISTORY_SERVERS},"
             f" found {options.history_servers}"
+        )
+    if options.shards and options.hubs <= options.history_servers:
+        fewest = options.history_servers + 1
+        raise CliError(
+            f"--shards: {options.history_servers} shards and the main one have a lead each, so "
+            f"name at least {fewest} hubs, and one more as a spare; found {options.hubs}"
         )
     return int(options.history_servers)
 
@@ -180,7 +191,28 @@ def _kept_password(folder: Path, choice: DeployOptions) -> str:
             raise CliError(
                 f"{folder} has {there[0]} and no {lacking}, which were made together; {remedy}"
             )
+    if choice.history_servers:
+        _check_kept_shards(folder, choice)
     return password
+
+
+def _check_kept_shards(folder: Path, choice: DeployOptions) -> None:
+    """See that a kept file of history servers divides the sites as was chosen.
+
+    Raises:
+        CliError: it does not; it has passwords, and is not written anew.
+
+    """
+    from talaia.deploy.several_hubs import HISTORY_FILE
+
+    for name in (HISTORY_FILE, f"kubernetes_{HISTORY_FILE}"):
+        path = folder / "secrets" / name
+        if path.exists() and ("\nshards:" in path.read_text()) != choice.shards:
+            remedy = "end all hubs, write default: and shards: there, and run this again"
+            if not choice.shards:
+                remedy = "add --shards, or end all hubs and take the line out"
+            said = "no shards" if choice.shards else "shards"
+            raise CliError(f"{path} is kept, and has {said}; {remedy}")
 
 
 def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
@@ -240,19 +272,8 @@ def _bring_wheels(project: Path, given: Sequence[Path]) -> None:
         )
 
 
-def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "talaia generate",
-        description="Write a folder that runs a site for good: a compose project (hub, database, "
-        "gateway), systemd units for a robot's own computer, and how to start them.",
-    )
-    parser.add_argument("site", type=Path, help="site description (YAML)")
-    parser.add_argument("--to", type=Path, required=True, metavar="DIR", help="the folder")
-    parser.add_argument(
-        "--database",
-        choices=[database.value for database in DatabaseKind],
-        help="where accounts and history are kept (mariadb; of several hubs postgresql)",
-    )
+def _add_several_hubs(parser: argparse.ArgumentParser) -> None:
+    """Add how many hubs there are, and what is divided among them."""
     parser.add_argument(
         "--hubs",
         type=int,
@@ -267,6 +288,28 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         help="so many databases of PostgreSQL for histories alone, beside that of accounts; "
         "with --hubs (none: all is in one)",
     )
+    parser.add_argument(
+        "--shards",
+        action="store_true",
+        help="each database of --history-servers has a lead of its own among the hubs, and sites "
+        "are divided among them (one hub leads all sites)",
+    )
+
+
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia generate",
+        description="Write a folder that runs a site for good: a compose project (hub, database, "
+        "gateway), systemd units for a robot's own computer, and how to start them.",
+    )
+    parser.add_argument("site", type=Path, help="site description (YAML)")
+    parser.add_argument("--to", type=Path, required=True, metavar="DIR", help="the folder")
+    parser.add_argument(
+        "--database",
+        choices=[database.value for database in DatabaseKind],
+        help="where accounts and history are kept (mariadb; of several hubs postgresql)",
+    )
+    _add_several_hubs(parser)
     add_files_options(parser)
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(

@@ -80,6 +80,7 @@ class DeployOptions(NamedTuple):
         hubs: how many; more than one are one on PostgreSQL.
         files: bucket in which several hubs keep recordings and pictures; none: a shared folder.
         history_servers: databases of their own for histories of sites.
+        shards: each of these databases has a lead of its own among the hubs.
 
     """
 
@@ -94,6 +95,7 @@ class DeployOptions(NamedTuple):
     hubs: int = 1
     files: FilesChoice | None = None
     history_servers: int = 0
+    shards: bool = False
 
     @property
     def tag(self) -> str:

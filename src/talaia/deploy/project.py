@@ -193,7 +193,7 @@ def _files_of_several(
     if choice.files is not None:
         secrets |= choice.files.secrets
     if choice.history_servers:
-        secrets |= make_history_secrets(choice.history_servers, random)
+        secrets |= make_history_secrets(choice.history_servers, random, shards=choice.shards)
     manifests = write_manifests(
         choice.hubs,
         choice.hosts,

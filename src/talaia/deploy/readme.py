@@ -195,10 +195,24 @@ def _history_text(choice: DeployOptions) -> str:
         f"docker compose exec {hub_names(choice.hubs)[0]} talaia history move SITE --to "
         f"{names[-1]} --data /data --history-servers /run/secrets/{HISTORY_FILE}"
     )
+    if choice.shards:
+        return _shards_text(names, listed)
     return (
         f"\n\nHistories are in databases of their own ({listed}; `secrets/{HISTORY_FILE}`), all "
         f"else in `database`. A new site's history is in `{names[0]}`; `{moving}` moves one while "
         "all goes on. Back up each with its own tools, all at the same time."
+    )
+
+
+def _shards_text(names: list[str], listed: str) -> str:
+    return (
+        f"\n\nSites are divided among {len(names) + 1} leads: histories are in databases of their "
+        f"own ({listed}; `secrets/{HISTORY_FILE}`), and each has a lead for its sites; the shard "
+        "`main` has all else. A new site goes where the fewest are. People, scripts and gateways "
+        "come to any hub and see all sites. A hub that leads nothing takes over at once; where "
+        "there is none, one leads two shards after a few seconds, and bears both. To change the "
+        "shards, or to take a site to another one (`talaia history move`), end all hubs first. "
+        "Back up each database with its own tools, all at the same time."
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import (
@@ -10,10 +10,12 @@ if TYPE_CHECKING:
         AsyncIterator,
         Collection,
         Iterable,
+        Iterator,
         Mapping,
         Sequence,
     )
 
+    from sqlalchemy import ColumnElement
     from sqlalchemy.engine.interfaces import DBAPIConnection
 
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.storage import Storage
+    from talaia.hub.sharding.plan import ShardPlan
     from talaia.hub.store.database import Database
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
@@ -34,8 +37,11 @@ __all__ = [
     "AnomalySink",
     "CauseSink",
     "ClusterSeat",
+    "DescribedSite",
+    "DescribedSites",
     "DetectorSink",
     "History",
+    "Shard",
     "SharedCause",
     "SightingEvent",
     "SightingSink",
@@ -209,6 +215,16 @@ class ClusterSeat(Protocol):
     """This hub's place among several on one database."""
 
     @property
+    def shard(self) -> str:
+        """The shard whose lead this seat is for."""
+        ...
+
+    @property
+    def plan(self) -> ShardPlan:
+        """Which shards there are besides the main one."""
+        ...
+
+    @property
     def connected(self) -> bool:
         """Whether the hubs can hear each other."""
         ...
@@ -232,6 +248,90 @@ class ClusterSeat(Protocol):
 
     def heard_hubs(self) -> Iterable[tuple[HubNotice, int]]:
         """Give how the others stand, and when each was heard last (monotonic ns)."""
+        ...
+
+
+class Shard(Protocol):
+    """Which sites are this hub's own, where they are divided among several leads.
+
+    Attributes:
+        name: ``main``, or the name of the history server whose sites these are.
+        is_main: it has the accounts, and does what is done once for all sites.
+        is_whole: sites are not divided: there is only this shard.
+        suffix: ends names of what each shard has for itself where others look, too: files in a
+            data folder, connections at a broker; empty for the main one.
+
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102 - above
+
+    @property
+    def is_main(self) -> bool: ...  # noqa: D102 - above
+
+    @property
+    def is_whole(self) -> bool: ...  # noqa: D102 - above
+
+    @property
+    def suffix(self) -> str: ...  # noqa: D102 - above
+
+    async def open(self) -> None:
+        """Read which sites are whose; called once, when the tables are up to date."""
+        ...
+
+    def has_site(self, site: str) -> bool:
+        """Tell whether a site is of this shard, by what is known."""
+        ...
+
+    async def look_up(self, site: str) -> bool:
+        """Tell whether a site is of this shard; asks the database about one that is new.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        ...
+
+    async def refresh(self) -> None:
+        """Read again which sites are whose, so that `has_site` knows those that have come since.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        ...
+
+    def own_rows(self, site: ColumnElement[Any], /) -> tuple[ColumnElement[bool], ...]:
+        """Say in SQL which rows are of own sites, by a column of the accounts' database.
+
+        It holds at the moment of the query, whatever `has_site` knows; empty: all are.
+        """
+        ...
+
+
+class DescribedSite(Protocol):
+    """A site as it is described; nothing of how it stands."""
+
+    @property
+    def name(self) -> str:
+        """Its short name."""
+        ...
+
+    @property
+    def description(self) -> Site:
+        """What its gateway said last."""
+        ...
+
+
+class DescribedSites(Protocol):
+    """All sites that this hub's database knows, those of other shards among them."""
+
+    def __iter__(self) -> Iterator[DescribedSite]:
+        """Go through them in the order of their names."""
+        ...
+
+    def find_site(self, name: str) -> DescribedSite | None:
+        """Find one by its short name."""
         ...
 
 

@@ -31,7 +31,7 @@ from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, AuditFilter
-from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
+from talaia.hub.store.database import Database, _upgrade_schema, last_migration
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.sqlite_opening import SqliteConnection
 from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -63,7 +63,7 @@ async def test_migrating_again_changes_nothing(database) -> None:
 def test_the_migration_with_the_highest_number_is_the_last() -> None:
     # A start that finds its number in the database asks Alembic no more.
     last = ScriptDirectory(str(Path(migrations.__file__).parent)).get_current_head()
-    assert last == _last_migration()
+    assert last == last_migration()
 
 
 class Interrupted(Exception):
@@ -130,7 +130,7 @@ KILLED = """
 import asyncio, os, signal, sys
 from sqlalchemy import event
 from talaia.hub.store import migrations
-from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
+from talaia.hub.store.database import Database, last_migration, _upgrade_schema
 
 left = int(sys.argv[2])
 database = Database(sys.argv[1])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import os
 import signal
 import time
@@ -18,7 +19,7 @@ import psutil
 import sqlalchemy as sa
 from aiosmtpd.controller import Controller
 from certificates import Certificates
-from hub.databases import database_with_tables
+from hub.databases import database_with_tables, empty_database
 from hub.object_stores import BUCKET, KEY_ID, SECRET, FaultyLine, require_store
 from patience import PATIENCE_S, until_answered
 from ports import free_port
@@ -41,6 +42,8 @@ from .servers import BALANCER, Balancer, Line, NatsNodes, Store, find_program
 TESTS = Path(__file__).parents[2]
 CRASHING = TESTS / "system" / "faults" / "crashing.py"
 NAMES = ("east", "west", "south")
+# The shard of all sites that no other one has, and another one.
+MAIN, SHARD = "main", "north"
 PEOPLE_HERE = {**PEOPLE, "admin": "admin"}
 # The lock may be taken as soon as the one before has been silent for 3 s.
 TAKE_OVER_S = 30.0
@@ -69,10 +72,11 @@ class Member:
     def runs(self) -> bool:
         return self.process is not None and self.process.popen.poll() is None
 
-    @property
-    def times_led(self) -> int:
-        """How often this run of it began to lead."""
-        return 0 if self.process is None else self.process.said().count("talaia hub leads")
+    def times_led(self, shard: str) -> int:
+        """How often this run of it began to lead a shard."""
+        more = "" if shard == MAIN else f" (shard {shard})"
+        said = "" if self.process is None else self.process.said()
+        return said.count(f"talaia hub leads: {self.name}{more}\n")
 
     def start(self) -> Process:
         nats = ",".join(f"nats://127.0.0.1:{port}" for port in self.bus.ports)
@@ -126,8 +130,18 @@ class ClusterWorld(World):
 
     one_of_many = SITE
 
-    def __init__(self, folder: Path, gateways: int, pages: int, browser_pages: int = 0) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        gateways: int,
+        pages: int,
+        browser_pages: int = 0,
+        *,
+        divided: bool = False,
+    ) -> None:
         """Start all of it, with a crowd of so many, and so many pages in a Chromium besides.
+
+        ``divided``: the robot's site and half of the crowd are of a shard of their own.
 
         Raises:
             PermissionError: one of the servers is not on this machine.
@@ -139,6 +153,8 @@ class ClusterWorld(World):
         self.folder = folder
         self.crowd_size = gateways, pages
         self._browser_pages = browser_pages
+        # The shard of the robot's site.
+        self.shard = SHARD if divided else MAIN
         self.crowd: Process | None = None
         # Without it nobody looks in a Chromium.
         self.browser: Process | None = None
@@ -171,6 +187,8 @@ class ClusterWorld(World):
             "--files", f"s3://{BUCKET}/talaia", "--files-endpoint", self.store_line.url,
             "--files-key-file", str(key), "--files-ca", str(certificates.ca),
         ]  # fmt: skip
+        if self.shard != MAIN:
+            self.file_words += ["--history-servers", str(self._divide_sites())]
         mail = Controller(self.mailbox, hostname="127.0.0.1", port=free_port())
         mail.start()
         keep(mail.stop)
@@ -178,6 +196,18 @@ class ClusterWorld(World):
         self.members = {name: Member(self, name) for name in NAMES}
         for member in self.members.values():
             keep(member.close)
+
+    def _divide_sites(self) -> Path:
+        url = self._stack.enter_context(empty_database("postgresql"))
+        file = self.folder / "servers.yaml"
+        # JSON is YAML.
+        named = {
+            "servers": {SHARD: url}, "shards": [SHARD], "default": ["own", SHARD],
+            "sites": {SITE: SHARD},
+        }  # fmt: skip
+        file.write_text(json.dumps(named))
+        file.chmod(0o600)
+        return file
 
     def url_by(self, line: Line) -> str:
         """Give the database's URL by a hub's own line."""
@@ -206,7 +236,8 @@ class ClusterWorld(World):
         """Start all three, and HAProxy before them."""
         first, *others = self.members.values()
         self.hub = first.start()
-        finish(self.hub.says("talaia hub leads"))
+        if self.shard == MAIN:
+            finish(self.hub.says("talaia hub leads"))
         for member in others:
             member.start()
         ports = {name: member.port for name, member in self.members.items()}
@@ -305,10 +336,19 @@ class ClusterWorld(World):
         """Ask how the hubs stand."""
         return list((await self.ask("/api/hubs", await self.admin()))["hubs"])
 
-    async def lead(self) -> Member:
-        """Give the hub that leads."""
-        told = await self.hubs()
-        return self.members[next(hub["name"] for hub in told if hub["role"] == "leads")]
+    async def lead(self, shard: str = "") -> Member:
+        """Give the hub that leads a shard; none named: that of the robot's site."""
+        found: list[Member] = []
+
+        async def is_led() -> bool:
+            for hub in await self.hubs():
+                leads = hub["role"] == "leads"
+                if leads and (self.shard == MAIN or (shard or self.shard) in hub["shards"]):
+                    found.append(self.members[hub["name"]])
+            return bool(found)
+
+        await until_answered(is_led)
+        return found[0]
 
     async def others(self) -> list[Member]:
         """Give the hubs that wait, the one first to which most gateways came."""
@@ -319,15 +359,15 @@ class ClusterWorld(World):
         """Wait until HAProxy would send somebody to a hub."""
         await until_answered(member.is_ready)
 
-    def times_led(self) -> dict[str, int]:
-        """How often each hub began to lead, since it was started last."""
-        return {name: member.times_led for name, member in self.members.items()}
+    def times_led(self, shard: str) -> dict[str, int]:
+        """How often each hub began to lead a shard, since it was started last."""
+        return {name: member.times_led(shard) for name, member in self.members.items()}
 
-    async def another_leads(self, before: Member, counts: dict[str, int]) -> None:
+    async def another_leads(self, before: Member, counts: dict[str, int], shard: str) -> None:
         """Wait until another hub than the one of before has begun to lead since `times_led`."""
         began = time.monotonic()
         while not any(
-            member is not before and member.times_led > counts[name]
+            member is not before and member.times_led(shard) > counts[name]
             for name, member in self.members.items()
         ):
             assert time.monotonic() - began < TAKE_OVER_S, "no other hub leads"

@@ -31,7 +31,7 @@ from talaia.wire.frames import (
 
 from ..faults.doing import back, pause
 from ..faults.ledgers import Findings
-from .cluster_world import ClusterWorld, Member, freeze, wake
+from .cluster_world import MAIN, ClusterWorld, Member, freeze, wake
 from .load import Load, cluster_load
 
 
@@ -52,11 +52,17 @@ async def driven(
 
 
 @contextlib.asynccontextmanager
-async def lead_changes(world: ClusterWorld, findings: Findings) -> AsyncIterator[Member]:
-    """Give the hub that leads, and wait until another one does; what is inside is its fault."""
-    lead, counts, at = await world.lead(), world.times_led(), time.monotonic_ns()
+async def lead_changes(
+    world: ClusterWorld, findings: Findings, shard: str = ""
+) -> AsyncIterator[Member]:
+    """Give the hub that leads, and wait until another one does; what is inside is its fault.
+
+    ``shard``: which one it leads; none: that of the robot's site.
+    """
+    shard = shard or world.shard
+    lead, counts, at = await world.lead(shard), world.times_led(shard), time.monotonic_ns()
     yield lead
-    await world.another_leads(lead, counts)
+    await world.another_leads(lead, counts, shard)
     findings.figures["another led after, s"].append((time.monotonic_ns() - at) / 1e9)
 
 
@@ -100,9 +106,9 @@ async def k4(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
     """The hub that leads is cut from NATS: it leads on, and who came to others comes to it."""
     async with driven(world, chance, findings) as load:
         lead = await world.lead()
-        led = lead.times_led
+        led = lead.times_led(world.shard)
         await cut_from_bus(lead, load, chance)
-        if lead.times_led != led or not lead.runs:
+        if lead.times_led(world.shard) != led or not lead.runs:
             findings.breach("lead", "a hub that has the database does not lead on")
 
 
@@ -140,7 +146,8 @@ async def k8(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
             dark.enter_context(lead.bus.dark())
             dark.enter_context(lead.database.dark())
             await load.raise_alarm()
-        if not await lead.is_ready():
+        # A hub is ready where the main shard is reached; of another one it does not say so.
+        if world.shard == MAIN and not await lead.is_ready():
             findings.breach("row", "the one that was cut off did not believe that it leads")
 
 
@@ -194,6 +201,15 @@ async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) ->
             at = lead.kill()
             await load.raise_alarm()
             await load.must_stop(at)
+        lead.start()
+
+
+async def s2(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` the hub that leads the main shard: the robot is of another one, and goes on."""
+    async with driven(world, chance, findings) as load:
+        async with lead_changes(world, findings, MAIN) as lead:
+            lead.kill()
+            await load.raise_alarm()
         lead.start()
 
 
@@ -275,6 +291,7 @@ class Row(NamedTuple):
     what: str
     run: Callable[[ClusterWorld, random.Random, Findings], Awaitable[None]]
     short: bool
+    divided: bool = False
 
 
 # The others are near to one of these, and wait as long.
@@ -287,6 +304,18 @@ ROWS = [
         run in _SHORT,
     )
     for run in (k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, k11)
+]
+# The same where the robot's site and half of the crowd are of a shard of their own; in a world of
+# its own, so after the others.
+ROWS += [
+    Row(
+        f"S{run.__name__[1:]}",
+        "Sites divided: " + (run.__doc__ or "").rstrip(".").replace("\n", " "),
+        run,
+        run in (k1, s2),
+        divided=True,
+    )
+    for run in (k1, s2, k3, k6, k8, k10)
 ]
 
 __all__ = ["ROWS", "Row"]

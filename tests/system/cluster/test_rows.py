@@ -26,7 +26,7 @@ import pytest
 from ..conftest import missing
 from ..faults.ledgers import Findings
 from ..faults.table import Table
-from .cluster_world import ClusterWorld
+from .cluster_world import MAIN, ClusterWorld
 from .kept_runs import KeptRuns
 from .rows import ROWS, Row
 
@@ -75,13 +75,16 @@ def worlds(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         _WORLDS.pop().close()
 
 
-def world_in(folder: Path) -> ClusterWorld:
+def world_in(folder: Path, *, divided: bool) -> ClusterWorld:
     """Give the world, which is begun when the first row needs it."""
+    if _WORLDS and (_WORLDS[0].shard != MAIN) != divided:
+        _WORLDS.pop().close()
     if not _WORLDS:
         try:
             place = folder / f"world{len(list(folder.iterdir()))}"
             place.mkdir()
-            _WORLDS.append(ClusterWorld(place, GATEWAYS, PAGES, BROWSER_PAGES))
+            world = ClusterWorld(place, GATEWAYS, PAGES, BROWSER_PAGES, divided=divided)
+            _WORLDS.append(world)
         except PermissionError as error:
             missing(str(error))
     return _WORLDS[0]
@@ -89,7 +92,7 @@ def world_in(folder: Path) -> ClusterWorld:
 
 def run_row(folder: Path, row: Row, turn: int) -> Findings:
     """Run a row once."""
-    world = world_in(folder)
+    world = world_in(folder, divided=row.divided)
 
     async def run() -> Findings:
         findings = Findings(turn=turn)

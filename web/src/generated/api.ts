@@ -2845,6 +2845,7 @@ export interface HubList {
   readonly bus: boolean;
   readonly epoch: number;
   readonly hubs: readonly HubShape[];
+  readonly shards: readonly ShardShape[];
   readonly problems: readonly string[];
 }
 
@@ -2861,6 +2862,14 @@ export interface HubShape {
   readonly gateways: number;
   readonly sockets: number;
   readonly silent_s: number;
+  readonly shards: readonly string[];
+}
+
+/** A shard: sites with a lead of their own, and the hub that leads them; empty: none does. */
+export interface ShardShape {
+  readonly name: string;
+  readonly lead: string;
+  readonly sites: readonly string[];
 }
 
 /** How releases stand at a site's gateway, as it says itself. */

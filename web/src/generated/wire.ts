@@ -227,6 +227,7 @@ export interface SiteUpdate {
   readonly skew_ms: number;
   readonly why: string;
   readonly rival_us: number;
+  readonly away: boolean;
 }
 
 /** Answer to `Subscribe`. Channels you may not see, or that are not there, are refused. */
@@ -660,13 +661,15 @@ export type MediaToBrowser =
   | CameraPicture
   | CameraPictureBoxes
   | CameraPictureOverlay
+  | PagePong
   | RequestError
   | SessionEnded;
 
 export type MediaFromBrowser =
   | PictureShown
   | ViewerAttention
-  | BoxesRequest;
+  | BoxesRequest
+  | PagePing;
 
 export type TopicToBrowser =
   | TopicUpdate
@@ -711,6 +714,7 @@ export const MEDIA_TO_BROWSER: ReadonlySet<string> = new Set([
   "shot",
   "shot_boxes",
   "shot_overlay",
+  "pong",
   "problem",
   "ended",
 ]);
@@ -739,7 +743,7 @@ export const DEFAULTS = {
   override: { reason: "", condition: "" },
   ping: { active: false },
   greeting: { protocol: 1, version: "" },
-  site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "", rival_us: 0 },
+  site: { catalogue: "", loop_ms: 0.0, skew_ms: 0.0, why: "", rival_us: 0, away: false },
   subscribed: { refused: [] },
   values: { texts: {}, age_ms: [] },
   lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false },

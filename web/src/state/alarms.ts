@@ -41,6 +41,10 @@ export class Alarms extends Store {
       }
       this.notifyWatchers();
     });
+    line.onMessage("site", (news) => {
+      // Of several hubs the one that judges these is away; when it is back, it tells of each anew.
+      if (news.away) this.removeSite(news.site);
+    });
     line.onState((state) => {
       // Nobody knows how they stand now; that there is no connection is shown instead.
       if (state !== "open" && this.known.size > 0) {
@@ -80,6 +84,12 @@ export class Alarms extends Store {
 
   isShelved(alarm: AlarmUpdate): boolean {
     return alarm.shelved_until_us > this.nowUs();
+  }
+
+  private removeSite(site: string): void {
+    const ids = [...this.known].flatMap(([id, news]) => (news.site === site ? [id] : []));
+    for (const id of ids) this.known.delete(id);
+    if (ids.length > 0) this.notifyWatchers();
   }
 
   /** What cannot be judged stands before what is well. */

@@ -1,5 +1,6 @@
 /** The sites this person may see, kept up to date by the hub's news. */
 
+import { msg } from "@lit/localize";
 import type { SiteUpdate } from "../generated/wire.js";
 import type { SiteShape, SiteSummary } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
@@ -10,6 +11,8 @@ export type LoadState = "idle" | "loading" | "ready" | "failed";
 /** With more sites than this (each tells of itself every few seconds), pages are told of news together, so often (ms). */
 const MANY = 50;
 const TOGETHER_MS = 500;
+/** While sites are missing from the list, it is asked for again so often. */
+const MISSING_MS = 5000;
 
 /** Letters without case and accents: who looks for "Pena" finds "Peña". */
 export function foldedText(text: string): string {
@@ -27,6 +30,8 @@ export class Sites extends Store {
   private rows: readonly SiteSummary[] = [];
   private loading: LoadState = "idle";
   private problem: unknown = null;
+  private away: readonly string[] = [];
+  private asking: ReturnType<typeof setTimeout> | undefined;
   private telling: ReturnType<typeof setTimeout> | undefined;
   private readonly details = new Map<string, { catalogue: string; detail: Promise<SiteShape> }>();
   private readonly catalogues = new Map<string, string>();
@@ -47,6 +52,11 @@ export class Sites extends Store {
   /** What went wrong with the last load; null when nothing did. */
   get renderError(): unknown {
     return this.problem;
+  }
+
+  /** Hubs that have sites of which nothing is known now, by their names; empty while all can be reached. */
+  get missing(): readonly string[] {
+    return this.away;
   }
 
   /** Zone for times that belong to no site: the first site's. */
@@ -73,7 +83,11 @@ export class Sites extends Store {
     if (this.loading !== "ready") this.loading = "loading";
     this.notifyWatchers();
     try {
-      this.rows = withUniqueNames(await this.api.sites());
+      const { rows, missing } = await this.api.siteRows();
+      this.rows = withUniqueNames(missing.length === 0 ? rows : this.withKeptRows(rows));
+      this.away = missing;
+      clearTimeout(this.asking);
+      if (missing.length > 0) this.asking = setTimeout(() => void this.load(), MISSING_MS);
       this.loading = "ready";
       this.problem = null;
     } catch (error) {
@@ -133,6 +147,14 @@ export class Sites extends Store {
     this.tellOfNews();
   }
 
+  /** Sites that were listed and are missing now stay, as ones of which nothing is known. */
+  private withKeptRows(rows: readonly SiteSummary[]): readonly SiteSummary[] {
+    const listed = new Set(rows.map(({ site }) => site));
+    const kept = this.rows.filter(({ site }) => !listed.has(site));
+    const why = msg("the hub that has this site cannot be reached; it is tried again");
+    return [...rows, ...kept.map((row) => ({ ...row, online: false, why }))].sort((a, b) => (a.site < b.site ? -1 : 1));
+  }
+
   private tellOfNews(): void {
     if (this.rows.length <= MANY) {
       this.notifyWatchers();
@@ -147,6 +169,8 @@ export class Sites extends Store {
   /** Forgets all: another person may see other things. */
   clear(): void {
     this.rows = [];
+    this.away = [];
+    clearTimeout(this.asking);
     this.loading = "idle";
     this.problem = null;
     this.details.clear();

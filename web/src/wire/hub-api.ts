@@ -45,6 +45,14 @@ export interface RequestOptions {
   readonly background?: boolean;
   /** Whether the answer is bytes, and no JSON. */
   readonly bytes?: boolean;
+  /** Is given the headers of a good answer. */
+  readonly onHeaders?: (headers: Headers) => void;
+}
+
+/** What the hubs that can be reached say of their sites, and the names of those that cannot. */
+export interface SiteRows {
+  readonly rows: readonly SiteSummary[];
+  readonly missing: readonly string[];
 }
 
 export class HubApi {
@@ -116,8 +124,18 @@ export class HubApi {
     await this.request("POST", "/api/setup", { token, name, password });
   }
 
-  sites(): Promise<readonly SiteSummary[]> {
-    return this.request("GET", "/api/sites");
+  async sites(): Promise<readonly SiteSummary[]> {
+    return (await this.siteRows()).rows;
+  }
+
+  /** As `sites`; where several hubs divide the sites among them, one may be away. */
+  async siteRows(): Promise<SiteRows> {
+    let missing = "";
+    const onHeaders = (headers: Headers): void => {
+      missing = headers.get("x-talaia-missing") ?? "";
+    };
+    const rows = await this.request<readonly SiteSummary[]>("GET", "/api/sites", undefined, { onHeaders });
+    return { rows, missing: missing === "" ? [] : missing.split(",") };
   }
 
   site(site: string): Promise<SiteShape> {
@@ -268,6 +286,7 @@ export class HubApi {
       if (signal?.aborted === true) throw error;
       throw new Unreachable(msg("The hub does not answer."), { cause: error });
     }
+    if (response.ok) options.onHeaders?.(response.headers);
     if (response.ok && bytes) return (await response.arrayBuffer()) as T;
     if (response.ok) return (response.status === 204 ? undefined : inPageLanguage(await response.json())) as T;
     if (response.status === 502 || response.status === 503 || response.status === 504) {

@@ -3,6 +3,7 @@
 import type { MediaToBrowser, CameraPicture, CameraPictureBoxes, CameraPictureOverlay } from "../generated/wire.js";
 import { backoffMs, comeback } from "./backoff.js";
 import { decodeMedia, encodeMessage, FrameError } from "./codec.js";
+import { HubClock } from "./hub-clock.js";
 
 export type MediaState = "connecting" | "open" | "lost" | "refused";
 
@@ -22,8 +23,17 @@ export interface MediaListener {
 export interface MediaOptions {
   readonly url: string;
   readonly openSocket?: (url: string) => WebSocket;
+  /** This page's monotonic clock (ms). */
+  readonly now?: () => number;
   readonly random?: () => number;
 }
+
+/** The first pings follow each other so soon; later ones only follow the clocks' drift. */
+const SOON_MS = 1000;
+const LATER_MS = 5000;
+const SOON_PINGS = 4;
+/** A hub that has not answered a ping by then is of a version that does not. */
+const SILENT_MS = 10_000;
 
 /** Opens at once; `close()` ends it for good. Comes back by itself after a loss, and once somebody has signed in anew. */
 export class MediaSocket {
@@ -34,11 +44,18 @@ export class MediaSocket {
   private still = false;
   private boxed = false;
   private overlaid = false;
+  /** Of the hub that sends these pictures: of several, another one may answer on the page's own socket. */
+  private readonly clock = new HubClock();
+  private readonly now: () => number;
+  private pingTimer: ReturnType<typeof setTimeout> | undefined;
+  private pings = 0;
+  private openedAt = 0;
 
   constructor(
     private readonly options: MediaOptions,
     private readonly listener: MediaListener,
   ) {
+    this.now = options.now ?? (() => performance.now());
     this.stopWaiting = comeback.subscribe(() => {
       this.resume();
     });
@@ -49,6 +66,16 @@ export class MediaSocket {
     this.stopWaiting();
     clearTimeout(this.timer);
     this.closeSocket();
+  }
+
+  /**
+   * Age (ms) of a picture by its `hub_us`; NaN before the hub has told its clock. `otherwise` is asked where it never does.
+   */
+  ageMsOf(hubUs: number, otherwise: (hubUs: number) => number): number {
+    const now = this.now();
+    const age = this.clock.ageMs(hubUs, now);
+    if (!Number.isNaN(age) || now - this.openedAt < SILENT_MS) return age;
+    return otherwise(hubUs);
   }
 
   /** Tells the hub whether a picture a second will do, since nobody looks closely. */
@@ -92,6 +119,10 @@ export class MediaSocket {
       this.attempt = 0;
       if (this.still) socket.send(encodeMessage({ t: "glance", still: true }));
       if (this.boxed || this.overlaid) this.sendRequest(socket);
+      this.clock.reset();
+      this.pings = 0;
+      this.openedAt = this.now();
+      this.ping(socket);
       this.listener.onState("open", "");
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
@@ -100,6 +131,19 @@ export class MediaSocket {
     socket.onclose = () => {
       if (this.socket === socket) this.scheduleRetry("");
     };
+  }
+
+  private ping(socket: WebSocket): void {
+    if (socket.readyState !== 1) return;
+    this.pings += 1;
+    socket.send(encodeMessage({ t: "ping", n: this.pings, at_ms: this.now() }));
+    clearTimeout(this.pingTimer);
+    this.pingTimer = setTimeout(
+      () => {
+        this.ping(socket);
+      },
+      this.pings < SOON_PINGS ? SOON_MS : LATER_MS,
+    );
   }
 
   private receiveMessage(bytes: ArrayBuffer, socket: WebSocket): void {
@@ -125,6 +169,9 @@ export class MediaSocket {
         return;
       case "shot_overlay":
         this.listener.onOverlay?.(message);
+        return;
+      case "pong":
+        this.clock.recordExchange(message.at_ms, this.now(), message.hub_us);
         return;
       case "problem":
         // A camera that is away may come back; one that is not ours, or not there, will not.
@@ -162,6 +209,7 @@ export class MediaSocket {
   }
 
   private closeSocket(): void {
+    clearTimeout(this.pingTimer);
     const socket = this.socket;
     this.socket = null;
     if (socket === null) return;

@@ -49,6 +49,16 @@ test("what could not be delivered is on the bar while it stands", () => {
   expect(alarms.summary.undelivered).toEqual([]);
 });
 
+test("what a hub judges that is away is forgotten, and what is judged elsewhere is not", () => {
+  line.say(news("low"));
+  line.say(news("high", { site: "moon" }));
+  const site = { t: "site", site: "agv", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false } as const;
+  line.say(site);
+  expect(names()).toEqual(["high", "low"]);
+  line.say({ ...site, away: true });
+  expect(names()).toEqual(["high"]);
+});
+
 test("what is gone, and everything without a connection, is forgotten", () => {
   line.say(news("low"));
   line.say(news("high"));

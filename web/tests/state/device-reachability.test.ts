@@ -28,9 +28,9 @@ test("a device that is not reached has its reason until it is back", () => {
 
 test("without the gateway or the hub nothing is held against a device", () => {
   line.say(lost("dome"));
-  line.say({ t: "site", site: "agv", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+  line.say({ t: "site", site: "agv", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false });
   expect(reach.unreachableSince("obs", "dome")).toBeDefined();
-  line.say({ t: "site", site: "obs", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+  line.say({ t: "site", site: "obs", online: false, since_us: 1, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false });
   expect(reach.unreachableSince("obs", "dome")).toBeUndefined();
   line.say(lost("dome"));
   line.become("lost");

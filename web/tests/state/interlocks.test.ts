@@ -49,7 +49,7 @@ test("times that are left are counted down from when they were told", () => {
 
 test("nothing is claimed of a site that went offline, or over a lost connection", () => {
   line.say(news("rain"));
-  line.say({ t: "site", site: "obs", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+  line.say({ t: "site", site: "obs", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false });
   expect(names()).toEqual([]);
   line.say(news("rain"));
   line.become("lost");

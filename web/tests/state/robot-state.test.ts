@@ -29,7 +29,7 @@ test("nothing is remembered over a lost connection", () => {
 
 test("nothing is remembered of a site that went offline", () => {
   const { line, news } = told();
-  line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+  line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false });
   expect(news.stopOf("agv", "base")).toBeUndefined();
 });
 

@@ -9,7 +9,7 @@ const row: SiteSummary = {
   site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, devices: 1, signals: 2,
   why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0, group: "", tags: [], state: "", battery: null, latitude: null, longitude: null, moving: false, heading: null, driver: "", stream: "", stops: [],
 };
-const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
+const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false } as const;
 const detail: SiteShape = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], shown_units: {}, map: null, devices: [] };
 function hub(answer: (path: string) => Response): { api: HubApi; asked: string[] } {
   const asked: string[] = [];
@@ -49,6 +49,29 @@ test("a page is told when what the person may do has changed, and not when only 
   expect(session.rightsKey).not.toBe(rights);
 });
 describe("sites", () => {
+  test("that a hub has which is away stay, and the list is asked for again until they are back", async () => {
+    vi.useFakeTimers();
+    let missing = "";
+    const rows = [row, { ...row, site: "moon", name: "Moon" }];
+    const answer = (): Response => new Response(JSON.stringify(missing === "" ? rows : rows.slice(1)), { headers: missing === "" ? {} : { "x-talaia-missing": missing } });
+    const { api, asked } = hub(answer);
+    const sites = new Sites(api);
+    await sites.load();
+    expect(sites.missing).toEqual([]);
+    missing = "east,west";
+    await sites.load();
+    expect(sites.missing).toEqual(["east", "west"]);
+    expect(sites.list.map(({ site, online }) => [site, online])).toEqual([["agv", false], ["moon", true]]);
+    expect(sites.siteRow("agv")?.why).toContain("cannot be reached");
+    missing = "";
+    await vi.advanceTimersByTimeAsync(5000);
+    expect(sites.missing).toEqual([]);
+    expect(sites.siteRow("agv")?.online).toBe(true);
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(asked).toHaveLength(3);
+    vi.useRealTimers();
+  });
+
   test("follow the hub's news", async () => {
     const sites = new Sites(hub(() => json([row])).api);
     await sites.load();

@@ -8,7 +8,7 @@ const pack = (value: unknown): ArrayBuffer => new Encoder().encode(value).slice(
 describe("messages", () => {
   test("fields that the hub left out take their defaults", () => {
     expect(decodeMessage(pack({ t: "site", site: "agv", online: true, since_us: 5 }))).toEqual({
-      t: "site", site: "agv", online: true, since_us: 5, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0,
+      t: "site", site: "agv", online: true, since_us: 5, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false,
     });
   });
 

@@ -1,4 +1,4 @@
-import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { comeback } from "../../src/wire/backoff.js";
 import { mediaPath, MediaSocket, socketUrl, type MediaState } from "../../src/wire/media-socket.js";
 import type { CameraPicture, CameraPictureBoxes } from "../../src/generated/wire.js";
@@ -34,6 +34,9 @@ function open(): MediaSocket {
   return socket;
 }
 
+/** What was sent but pings. */
+const asked = (at: number): unknown[] => sockets[at]?.sent.filter(({ t }) => t !== "ping") ?? [];
+
 const shot = { t: "shot", seq: 7, time_us: 1, hub_us: 2, width: 2, height: 1, format: "jpeg", data: new Uint8Array([9]) };
 
 beforeEach(() => {
@@ -48,9 +51,9 @@ afterEach(() => {
 test("the next picture is asked for only once this one is drawn", () => {
   open();
   sockets[0]?.say(shot);
-  expect(sockets[0]?.sent).toEqual([]);
+  expect(asked(0)).toEqual([]);
   shots[0]?.[1]();
-  expect(sockets[0]?.sent).toEqual([{ t: "shown", seq: 7 }]);
+  expect(asked(0)).toEqual([{ t: "shown", seq: 7 }]);
   expect(shots[0]?.[0].data).toEqual(new Uint8Array([9]));
 });
 
@@ -59,7 +62,7 @@ test("a picture drawn after the loss asks nothing of a dead socket", () => {
   sockets[0]?.say(shot);
   sockets[0]?.die();
   shots[0]?.[1]();
-  expect(sockets[0]?.sent).toEqual([]);
+  expect(asked(0)).toEqual([]);
 });
 
 test("it goes on once somebody has signed in again, and not after it was closed", () => {
@@ -114,13 +117,13 @@ test("a hidden page says so once, and again to a fresh socket", () => {
   sockets[0]?.onopen?.();
   media.setLowRate(true);
   media.setLowRate(true);
-  expect(sockets[0]?.sent).toEqual([{ t: "glance", still: true }]);
+  expect(asked(0)).toEqual([{ t: "glance", still: true }]);
   sockets[0]?.die();
   vi.advanceTimersByTime(125);
   sockets[1]?.onopen?.();
-  expect(sockets[1]?.sent).toEqual([{ t: "glance", still: true }]);
+  expect(asked(1)).toEqual([{ t: "glance", still: true }]);
   media.setLowRate(false);
-  expect(sockets[1]?.sent.at(-1)).toEqual({ t: "glance", still: false });
+  expect(asked(1).at(-1)).toEqual({ t: "glance", still: false });
 });
 
 test("boxes are asked for once, of a fresh socket again, and cost no receipt", () => {
@@ -131,13 +134,13 @@ test("boxes are asked for once, of a fresh socket again, and cost no receipt", (
   const boxes = { t: "shot_boxes", seq: 7, time_us: 1, things: [{ t: "thing", label: "dog", score: 0.5, left: 0, top: 0, right: 1, bottom: 1 }] };
   sockets[0]?.say(boxes);
   expect(seen).toEqual([boxes]);
-  expect(sockets[0]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
+  expect(asked(0)).toEqual([{ t: "boxes_ask", on: true }]);
   sockets[0]?.die();
   vi.advanceTimersByTime(125);
   sockets[1]?.onopen?.();
-  expect(sockets[1]?.sent).toEqual([{ t: "boxes_ask", on: true }]);
+  expect(asked(1)).toEqual([{ t: "boxes_ask", on: true }]);
   media.requestBoxes(false);
-  expect(sockets[1]?.sent.at(-1)).toEqual({ t: "boxes_ask", on: false });
+  expect(asked(1).at(-1)).toEqual({ t: "boxes_ask", on: false });
 });
 
 test("nothing is opened after it was closed", () => {
@@ -165,12 +168,60 @@ test("overlays are asked for beside boxes, and of a fresh socket again", () => {
   socket.requestOverlays(true);
   socket.requestOverlays(true);
   socket.requestBoxes(true);
-  expect(sockets[0]?.sent).toEqual([
+  expect(asked(0)).toEqual([
     { t: "boxes_ask", on: false, overlays: true },
     { t: "boxes_ask", on: true, overlays: true },
   ]);
   sockets[0]?.die();
   vi.advanceTimersByTime(125);
   sockets[1]?.onopen?.();
-  expect(sockets[1]?.sent).toEqual([{ t: "boxes_ask", on: true, overlays: true }]);
+  expect(asked(1)).toEqual([{ t: "boxes_ask", on: true, overlays: true }]);
+});
+
+describe("the age of a picture", () => {
+  const elsewhere = (): number => 777;
+
+  function answerPing(at: number, hubUs: number): void {
+    const { n, at_ms } = sockets[at]?.sent.filter(({ t }) => t === "ping").at(-1) ?? {};
+    sockets[at]?.say({ t: "pong", n, at_ms, hub_us: hubUs });
+  }
+
+  test("goes by the clock of the hub that sent it, asked over the same socket", () => {
+    const media = open();
+    sockets[0]?.onopen?.();
+    answerPing(0, 5_000_000);
+    vi.advanceTimersByTime(250);
+    expect(media.ageMsOf(4_900_000, elsewhere)).toBeCloseTo(350);
+  });
+
+  test("is not known before that clock is, also of a fresh socket", () => {
+    const media = open();
+    sockets[0]?.onopen?.();
+    expect(media.ageMsOf(1, elsewhere)).toBeNaN();
+    answerPing(0, 5_000_000);
+    sockets[0]?.die();
+    vi.advanceTimersByTime(125);
+    sockets[1]?.onopen?.();
+    expect(media.ageMsOf(1, elsewhere)).toBeNaN();
+  });
+
+  test("goes by the page's other socket where the hub is too old to answer", () => {
+    const media = open();
+    sockets[0]?.onopen?.();
+    vi.advanceTimersByTime(10_000);
+    expect(media.ageMsOf(1, elsewhere)).toBe(777);
+  });
+
+  test("is followed by a few pings soon, and then by fewer", () => {
+    const media = open();
+    sockets[0]?.onopen?.();
+    const pings = (): number => sockets[0]?.sent.filter(({ t }) => t === "ping").length ?? 0;
+    vi.advanceTimersByTime(3000);
+    expect(pings()).toBe(4);
+    vi.advanceTimersByTime(10_000);
+    expect(pings()).toBe(6);
+    media.close();
+    vi.advanceTimersByTime(10_000);
+    expect(pings()).toBe(6);
+  });
 });

@@ -45,7 +45,10 @@ def main(argv: Sequence[str]) -> int:
     with contextlib.suppress(KeyboardInterrupt):
         asyncio.run(move_history(settings, options.site, options.to, _print_line))
         return 0
-    _print_line("it goes on in the hub; run this again to see how far it is")
+    _print_line(
+        "a hub that runs goes on with it; run this again to see how far it is, or to go on where"
+        " none runs"
+    )
     return 130
 
 
@@ -63,7 +66,8 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         description="Move a site's history to another server while all goes on. The hub that runs"
         " does it, and this shows how far it is; where none runs, it is done here. Broken off at"
         " any point, nothing is lost: the hub goes on, and to run this again shows it. To ask for"
-        " the server where it is ends a move.",
+        " the server where it is ends a move. To a server of another shard it moves only while no"
+        " hub runs.",
     )
     for command in (listed, moved):
         command.add_argument(

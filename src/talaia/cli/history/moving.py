@@ -14,15 +14,17 @@ from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history
 from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.lock import HubRuns, hub_lock
+from talaia.hub.sharding.plan import ShardPlan
 from talaia.hub.store.database import open_migrated
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_servers.home_tables import OWN
-from talaia.hub.store.lead.only_hub import hold_only_hub
+from talaia.hub.store.lead.hub_plan import read_shards
+from talaia.hub.store.lead.only_hub import WAIT_S, hold_only_hub
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import AsyncIterator, Callable
 
     from talaia.hub.settings import Settings
     from talaia.hub.store.database import Database
@@ -35,36 +37,56 @@ _LOOK_S = 1.0
 
 
 async def list_histories(settings: Settings, tell: Callable[[str], None]) -> None:
-    """Tell which server has which site's history.
+    """Tell which server has which site's history, and which shard that is.
 
     Raises:
         HubError: the database cannot be opened.
 
     """
     async with open_migrated(settings.url) as database:
+        plan = await _read_plan(database)
         homes = {home.site: home for home in await HistoryHomes(database).list_homes()}
         sites = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
     for site in sorted(sites | homes.keys()):
         home = homes.get(site)
-        tell(f"{site}: {OWN}" if home is None else _line_of(home))
+        line = f"{site}: {OWN}" if home is None else _line_of(home)
+        shard = plan.shard_of_server(OWN if home is None else home.server)
+        tell(f"{line} (shard {shard})" if plan.names else line)
 
 
 async def move_history(
-    settings: Settings, site: str, server: str, tell: Callable[[str], None]
+    settings: Settings,
+    site: str,
+    server: str,
+    tell: Callable[[str], None],
+    *,
+    wait_s: float = WAIT_S,
 ) -> None:
     """Move a site's history, and tell how far it is.
 
+    A hub that is about to end is waited for ``wait_s``, where none may run.
+
     Raises:
         HubError: the database cannot be opened.
-        CliError: there is no such site.
+        CliError: there is no such site, or a hub runs and it is to change its shard.
 
     """
-    async with open_migrated(settings.url) as database:
+    async with open_migrated(settings.url) as database, contextlib.AsyncExitStack() as held:
         homes = HistoryHomes(database)
         known = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
-        if site not in known and await homes.find_home(site) is None:
-            raise CliError(f"there is no site {site!r}; talaia history list names them")
         before = await homes.find_home(site)
+        if site not in known and before is None:
+            raise CliError(f"there is no site {site!r}; talaia history list names them")
+        found = OWN if before is None else before.server
+        plan = await _read_plan(database)
+        crosses = plan.shard_of_server(found) != plan.shard_of_server(server)
+        # Hubs know where a site is led for as long as they run; it changes while none does.
+        free = _without_hubs(settings, database, wait_s)
+        if crosses and not await held.enter_async_context(free):
+            raise CliError(
+                f"{server!r} is of another shard than {found!r}, where {site} is: a site changes"
+                " its shard only while no hub runs; end all hubs, then run this again"
+            )
         asked = await homes.ask_move(site, server, own=OWN)
         if before is None or before.moving_to != asked.moving_to:
             said = f"the history of {site} from {asked.server} to {server}"
@@ -77,34 +99,55 @@ async def move_history(
             if (now := _line_of(home)) != line:
                 line = now
                 tell(line)
-            await _move_here(settings, database, homes)
+            if crosses:
+                await _move_once(settings, database)
+            else:
+                await _move_here(settings, database)
             await asyncio.sleep(_LOOK_S)
     tell(f"{site}: {server}")
 
 
-async def _move_here(settings: Settings, database: Database, homes: HistoryHomes) -> None:
+async def _read_plan(database: Database) -> ShardPlan:
+    """Give the shards that hubs have agreed on; a file may say otherwise from their next start."""
+    return ShardPlan(tuple(await read_shards(database)))
+
+
+async def _move_here(settings: Settings, database: Database) -> None:
     """Do it where no hub runs; else the hub does."""
-    with contextlib.ExitStack() as stack:
+    async with _without_hubs(settings, database, WAIT_S) as alone:
+        if alone:
+            await _move_once(settings, database)
+
+
+async def _move_once(settings: Settings, database: Database) -> None:
+    limits = HistoryLimits(show_s=0, tidy_s=0)
+    history = build_history(settings, database, SystemClock(), limits)
+    if not isinstance(history, HistoryServers):
+        raise CliError("--history-servers: name the file that names them, as for the hub")
+    await history.open()
+    try:
+        await history.move_sites()
+    finally:
+        await history.close()
+
+
+@contextlib.asynccontextmanager
+async def _without_hubs(
+    settings: Settings, database: Database, wait_s: float
+) -> AsyncIterator[bool]:
+    """Keep hubs from starting meanwhile; gives False where one runs."""
+    async with contextlib.AsyncExitStack() as held:
+        alone = True
         try:
-            stack.enter_context(hub_lock(settings.data))
-        except HubRuns:
-            return
-        async with contextlib.AsyncExitStack() as waiting:
+            held.enter_context(hub_lock(settings.data))
             if parse_database_url(settings.url).dialect.is_server:
-                try:
-                    await waiting.enter_async_context(hold_only_hub(settings.url, lambda: None))
-                except CannotStart:
-                    # A hub on another machine has the database.
-                    return
-            limits = HistoryLimits(show_s=0, tidy_s=0)
-            history = build_history(settings, database, SystemClock(), limits)
-            if not isinstance(history, HistoryServers):
-                raise CliError("--history-servers: name the file that names them, as for the hub")
-            await history.open()
-            try:
-                await history.move_sites()
-            finally:
-                await history.close()
+                shards = await read_shards(database)
+                only = hold_only_hub(settings.url, lambda: None, shards=shards, wait_s=wait_s)
+                await held.enter_async_context(only)
+        # Of this folder, or on another machine.
+        except (HubRuns, CannotStart):
+            alone = False
+        yield alone
 
 
 def _line_of(home: HistoryHome) -> str:

@@ -9,6 +9,7 @@ import msgspec
 from sqlalchemy import select, update
 
 from talaia.hub.archive.frame_rows import HookState, MeasureState, row_to_frame
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.tables import frames as table
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from talaia.hub.archive.measure_child import MeasuredFile
     from talaia.hub.archive.store import Archive
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["FrameQueues"]
 
@@ -33,9 +35,9 @@ class FrameQueues:
 
     """
 
-    def __init__(self, database: Database, archive: Archive) -> None:
-        """Take pictures of ``archive`` in the order in which they came."""
-        self._database, self._archive = database, archive
+    def __init__(self, database: Database, archive: Archive, own: OwnRows = every_row) -> None:
+        """Take pictures of ``archive``, of ``own`` sites, in the order in which they came."""
+        self._database, self._archive, self._own = database, archive, own
         self.measured = asyncio.Event()
 
     @property
@@ -55,7 +57,7 @@ class FrameQueues:
         """Find the oldest picture that waits to be measured."""
         return await self._first(
             select(table)
-            .where(table.c.measured == MeasureState.WAITS)
+            .where(table.c.measured == MeasureState.WAITS, *self._own(table.c.site))
             .order_by(table.c.id)
             .limit(1)
         )
@@ -80,7 +82,10 @@ class FrameQueues:
     async def next_for_hook(self) -> ArchivedFrame | None:
         """Find the oldest picture that the owner's hook has not had; none before it is measured."""
         found = await self._first(
-            select(table).where(table.c.hook == HookState.WAITS).order_by(table.c.id).limit(1)
+            select(table)
+            .where(table.c.hook == HookState.WAITS, *self._own(table.c.site))
+            .order_by(table.c.id)
+            .limit(1)
         )
         # In order: what came later waits behind one that is still measured.
         waits = found is None or found.measures.state is MeasureState.WAITS

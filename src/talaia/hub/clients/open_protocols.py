@@ -38,8 +38,13 @@ _SELDOM = 20
 class OpenProtocols:
     """The table of protocols as it is now; what it no longer allows is closed at once."""
 
-    def __init__(self, store: ClientProtocols) -> None:
-        """Read from ``store``; all is shut until that has been done."""
+    def __init__(self, store: ClientProtocols, *, led_elsewhere: bool = False) -> None:
+        """Read from ``store``; all is shut until that has been done.
+
+        ``led_elsewhere``: admins open and shut at another hub, so it is read again often whoever
+        is connected here.
+        """
+        self._led_elsewhere = led_elsewhere
         # What is read here may have been written by another process.
         self._store = store
         # By short name.
@@ -113,7 +118,7 @@ class OpenProtocols:
         """
         failing = False
         while True:
-            if not any(self._connected.values()):
+            if not self._led_elsewhere and not any(self._connected.values()):
                 self._somebody.clear()
                 with suppress(TimeoutError):
                     async with asyncio.timeout(every_s * (_SELDOM - 1)):

@@ -79,8 +79,9 @@ class ClusterMember:
         self.peers = Peers()
         self.entrance = Entrance(find_lead=self._find_lead_hub, post=self._post)
         self.answering = Answering(self._post)
-        # What this hub counts itself while it leads: links of gateways and sockets that came here.
-        self.count_own: Callable[[], tuple[int, int]] = lambda: (0, 0)
+        # Gives the links of gateways and other sockets that came to this process, and the shards
+        # that it leads.
+        self.describe_process: Callable[[], tuple[int, int, tuple[str, ...]]] = lambda: (0, 0, ())
         self.database_ms: Callable[[], float] = lambda: 0.0
         # Called when another hub says that it leads.
         self.lead_heard: Callable[[], None] = lambda: None
@@ -98,6 +99,11 @@ class ClusterMember:
     def find_lead(self) -> HubNotice | None:
         """Give the other hub that leads; None: none is heard."""
         return self.peers.find_lead(self._clock.monotonic_ns()) if self._bus.connected else None
+
+    @property
+    def hears_lead(self) -> bool:
+        """Whether another hub says that it leads, or is about to."""
+        return self.peers.hears_lead(self._clock.monotonic_ns())
 
     @property
     def led_lately(self) -> bool:
@@ -162,8 +168,7 @@ class ClusterMember:
         # Over a few beats, so that one busy moment is no load.
         if passed_s > 5.0:
             self._cpu_s, self._cpu_ns = cpu_s, now_ns
-        through, sockets = self.entrance.count_open()
-        own_gateways, own_sockets = self.count_own()
+        gateways, sockets, shards = self.describe_process()
         return HubNotice(
             hub=self.hub,
             name=self._name,
@@ -177,8 +182,9 @@ class ClusterMember:
             cpu=round(cpu, 3),
             memory_bytes=_memory_bytes(),
             database_ms=self.database_ms(),
-            gateways=own_gateways + through,
-            sockets=own_sockets + sockets,
+            gateways=gateways,
+            sockets=sockets,
+            shards=shards,
         )
 
     @property

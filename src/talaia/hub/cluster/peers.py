@@ -39,6 +39,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
         database_ms: how long the database took to answer; 0: not known.
         gateways: links of gateways that came in here.
         sockets: all other sockets that came in here.
+        shards: those that this process leads; said at the main shard alone.
 
     """
 
@@ -56,6 +57,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
     database_ms: float = 0.0
     gateways: int = 0
     sockets: int = 0
+    shards: tuple[str, ...] = ()
 
 
 class KnownHub(NamedTuple):
@@ -109,6 +111,15 @@ class Peers:
         known = self._known.get(hub)
         heard_ns = max(known.heard_ns if known else -(10**18), self._asked_ns.get(hub, -(10**18)))
         return now_ns - heard_ns <= SILENT_S * 1e9
+
+    def hears_lead(self, now_ns: int) -> bool:
+        """Tell whether a hub leads, or is about to."""
+        return any(
+            (known.notice.leads or known.notice.opens)
+            and not known.notice.leaving
+            and now_ns - known.heard_ns <= SILENT_S * 1e9
+            for known in self._known.values()
+        )
 
     def led_lately(self, now_ns: int) -> bool:
         """Tell whether a hub leads, or did so a moment ago: another one is about to."""

@@ -34,7 +34,7 @@ class AlarmsFeature(Feature):
     def __init__(self, core: Core, *, people: People, history: History, audit: Audit) -> None:
         """Preview alarms on ``history``; ``people`` are named by who acted."""
         # Alarms and what has happened to them; the engine writes, the pages only read.
-        store = AlarmStore(core.database)
+        store = AlarmStore(core.database, core.shard.own_rows)
         self.outbox = NotificationOutbox(core.database)
         self.engine = AlarmEngine(
             sites=core.sites,

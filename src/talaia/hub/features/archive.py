@@ -52,16 +52,17 @@ class ArchiveFeature(Feature):
             settings.data,
             # Elsewhere they take none of this machine's disk.
             held=_hold_nothing if store.remote else self.frames.count_bytes,
-            sites=lambda: sum(1 for _ in core.sites),
+            sites=lambda: sum(1 for _ in core.known_sites),
         )
         self.uploads = Uploads(
             settings.data / "uploads",
             keepers,
             most_bytes=settings.file_bytes,
             share=share.may_take,
+            has_site=core.shard.has_site,
         )
         self.routers = [ArchivePages(self.frames).make_router(), SkyPages().make_router()]
-        queues = FrameQueues(core.database, self.frames)
+        queues = FrameQueues(core.database, self.frames, core.shard.own_rows)
         self.tasks = [BackgroundTask(name="measure", run=FrameMeasurer(queues).run)]
         if settings.archive_hook is not None:
             told = read_archive_hook(settings.archive_hook)

@@ -51,8 +51,13 @@ class AuditFeature(Feature):
         # Rows are chained, so one task writes them, one after the other.
         self.tasks = [
             BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing),
-            BackgroundTask(name="heads", run=self._send_heads, stop=self._stop_sending),
         ]
+        # One of several shards says for all what the chain's end is: there is one chain.
+        if not core.shard.is_main:
+            return
+        self.tasks.append(
+            BackgroundTask(name="heads", run=self._send_heads, stop=self._stop_sending)
+        )
         if core.settings.audit_mail:
             # Cancelled at the end: a mail server that hangs must not hold the hub's end up.
             self.tasks.append(BackgroundTask(name="mail heads", run=self._mail_heads))
@@ -67,6 +72,8 @@ class AuditFeature(Feature):
 
         """
         settings = self._core.settings
+        if not self._core.shard.is_main:
+            return
         key = head_key(settings.data)
         self.heads = AuditHeads(
             audit=self.log,
@@ -97,13 +104,17 @@ class AuditFeature(Feature):
             )
 
     async def _write_records(self) -> None:
-        self.log.append_record("hub started")
+        self.log.append_record("hub started", message=self._shard_words())
         await self.log.run()
 
     def _stop_writing(self) -> None:
         # Before the stop, which lets what waits be written once more.
-        self.log.append_record("hub stopped")
+        self.log.append_record("hub stopped", message=self._shard_words())
         self.log.stop()
+
+    def _shard_words(self) -> str:
+        shard = self._core.shard
+        return "" if shard.is_whole else f"shard {shard.name}"
 
     async def _send_heads(self) -> None:
         if self.heads is not None:

@@ -32,7 +32,7 @@ class BoardsFeature(Feature):
         pages = BoardPages(
             boards=self.kept,
             roles=Roles(core.database),
-            sites=core.sites,
+            sites=core.known_sites,
             audit=audit,
         )
         self.routers = [pages.make_router()]

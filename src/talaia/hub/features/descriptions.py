@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.descriptions import DescriptionPages
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.gateways.change_requests import ChangeRequestClient
 from talaia.hub.live.gateways.description_intake import DescriptionIntake
+from talaia.hub.live.site_mirror import SiteMirror
 from talaia.hub.store.sites.descriptions import Descriptions
 
 if TYPE_CHECKING:
@@ -63,3 +64,12 @@ class DescriptionsFeature(Feature):
         )
         pages = DescriptionPages(versions=versions, changes=changes, audit=audit)
         self.routers = [pages.make_router()]
+        # Of other shards, where there are any and this hub answers for all.
+        self._mirror = core.known_sites if isinstance(core.known_sites, SiteMirror) else None
+        if self._mirror is not None:
+            self.tasks = [BackgroundTask(name="sites of others", run=self._mirror.run)]
+
+    async def open(self) -> None:
+        """Know what sites of other shards are."""
+        if self._mirror is not None:
+            await self._mirror.refresh()

@@ -10,10 +10,15 @@ from talaia.hub.auth.resume_tokens import ResumeTokens
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.live.pages.fanout import Fanout
 from talaia.hub.live.pages.page_connections import Browsers
+from talaia.hub.live.site_mirror import SiteMirror
 from talaia.hub.live.sites import Sites
 from talaia.hub.live.taps.tap_fanout import TapFanout
 from talaia.hub.policy import ROUTES_OF
+from talaia.hub.sharding.own_shard import OwnShard
+from talaia.hub.sharding.plan import WholeShard
 from talaia.hub.store.database import Database
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.lead.hub_plan import agree_on_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping, Sequence
@@ -23,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
     from talaia.hub.policy import AccessNeed
-    from talaia.hub.ports import ClusterSeat
+    from talaia.hub.ports import ClusterSeat, DescribedSites, Shard
     from talaia.hub.settings import Settings
 
 __all__ = ["BackgroundTask", "Core", "Feature"]
@@ -36,9 +41,11 @@ class Core:
         settings: of this hub.
         clock: the time.
         seat: this hub's place among several; none: it is alone.
+        shard: which sites are this hub's own.
         on_connect: looks at each new connection to the database; none: nobody need.
         database: for all that is kept, but the history.
-        sites: the sites as they are now.
+        sites: this hub's own sites as they are now.
+        known_sites: what is described, also of sites of other shards where this is the main one.
         browsers: the pages that are connected now.
         fanout: who of them gets which live values.
         taps: who gets which raw topics of robots.
@@ -62,7 +69,13 @@ class Core:
         self.seat = seat
         self.on_connect = None if seat is None else seat.check_connection
         self.database = Database(settings.url, on_connect=self.on_connect)
+        self.shard: Shard = WholeShard()
+        if seat is not None and seat.plan.names:
+            self.shard = OwnShard(seat.shard, seat.plan, HistoryHomes(self.database))
         self.sites = Sites()
+        self.known_sites: DescribedSites = self.sites
+        if self.shard.is_main and not self.shard.is_whole:
+            self.known_sites = SiteMirror(self.sites, self.shard, self.database)
         self.browsers = Browsers()
         self.fanout = Fanout(self.sites, clock, settings.linger_s)
         self.taps = TapFanout(self.sites, clock)
@@ -94,9 +107,13 @@ class Core:
         # Before the database: a key that cannot be read is told before anything is migrated.
         self.secret_box()
         await self.database.migrate()
+        if self.seat is None:
+            # It has all sites: hubs that divided them lead none any more.
+            await agree_on_plan(self.database, ())
         if self.seat is not None:
             purpose = "which hubs belong together"
             await self.seat.claim_lead(self.database, self.secret_box().derive_key(purpose).hex())
+        await self.shard.open()
 
     async def close(self) -> None:
         """Close the database."""

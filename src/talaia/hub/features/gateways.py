@@ -42,6 +42,7 @@ class GatewaysFeature(Feature):
             audit=audit,
             clock=core.clock,
             proof=self._make_proof,
+            shard=core.shard,
         )
         attendance = self.registry.attendance
         self.routers = [pages.make_router()]

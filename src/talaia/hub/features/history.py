@@ -35,7 +35,13 @@ class HistoryFeature(Feature):
         limits = HistoryLimits(bytes=core.settings.history_bytes)
         # With connections of its own: a long read must not hold up sessions or the log.
         self.store = store or build_history(
-            core.settings, core.database, core.clock, limits, on_connect=core.on_connect
+            core.settings,
+            core.database,
+            core.clock,
+            limits,
+            on_connect=core.on_connect,
+            shard=core.shard.name,
+            plan=None if core.seat is None else core.seat.plan,
         )
         self._core = core
         if isinstance(self.store, HistoryServers):
@@ -46,6 +52,7 @@ class HistoryFeature(Feature):
             registry=registry,
             versions=Descriptions(core.database, core.clock),
             history=self.store,
+            shard=core.shard,
             clock=core.clock,
         )
         self.routers = [HistoryPages(self.store).make_router()]

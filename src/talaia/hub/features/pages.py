@@ -50,7 +50,7 @@ class PagesFeature(Feature):
         # `Pages` last: it takes every path.
         self.routers = [
             sites.make_router(),
-            UnitChoicePages(core.sites, shown).make_router(),
+            UnitChoicePages(core.known_sites, shown).make_router(),
             ApiDescription().make_router(),
             Pages(static_dir()).make_router(),
         ]

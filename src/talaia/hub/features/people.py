@@ -75,6 +75,7 @@ class PeopleFeature(Feature):
         settings, database, clock = core.settings, core.database, core.clock
         # How often sessions are checked, and how long the set-up link is good.
         self._settings = settings
+        self._is_main = core.shard.is_main
         self.setup_token: str | None = None
         self.accounts = People(database, clock)
         self.sessions = Sessions(database, clock, settings)
@@ -172,6 +173,7 @@ class PeopleFeature(Feature):
             resumes=core.resumes,
             # Turns for keys of gateways; people wait in no queue.
             turns=JoinQueue(at_once=JoinQueue.MOST_WAITING),
+            shard=core.shard,
             clock=core.clock,
         )
         return SocketAdmission(access=self.access, gateways=gateways, limits=self.limits)
@@ -181,7 +183,7 @@ class PeopleFeature(Feature):
             displays=self.displays,
             access=self.access,
             seats=self.seats,
-            sites=core.sites,
+            sites=core.known_sites,
             audit=audit,
             clock=core.clock,
         )
@@ -214,6 +216,9 @@ class PeopleFeature(Feature):
 
     async def open(self) -> None:
         """Remember wrong sign-ins, and offer the set-up page where there is nobody yet."""
+        # People sign in at the main shard alone.
+        if not self._is_main:
+            return
         await self._tries.bring_back()
         self.setup_token = await self.accounts.offer_setup(self._settings.setup_s)
 

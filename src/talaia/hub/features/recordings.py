@@ -60,13 +60,14 @@ class RecordingsFeature(Feature):
         gateways that say too much; ``releases`` go the other way.
         """
         # The list is in the database and the files on the disk; `open` makes the two fit.
-        rows = RecordingList(core.database)
+        rows = RecordingList(core.database, core.shard.own_rows)
         self.files = Recordings(
             rows=rows,
             store=store,
             audit=audit,
             data=core.settings.data,
             most_bytes=core.settings.recordings_bytes,
+            has_site=core.shard.has_site,
         )
         gateways = GatewaySocket(
             "/gateway/files",
@@ -89,7 +90,7 @@ class RecordingsFeature(Feature):
         ends = [keeper.end_standing_uploads for keeper in (self.files, uploads, assets)]
         self.tasks = [BackgroundTask(name="standstill", run=partial(end_standing_for_ever, ends))]
         if store.remote:
-            stored = StoredRecordings(self.files, rows)
+            stored = StoredRecordings(self.files, rows, core.shard)
             self.tasks.append(BackgroundTask(name="stored", run=stored.fit_for_ever))
 
     async def open(self) -> None:

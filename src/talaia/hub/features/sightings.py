@@ -30,7 +30,7 @@ class SightingsFeature(Feature):
 
     def __init__(self, core: Core, *, alarms: AlarmEngine) -> None:
         """Tell ``alarms`` of every sighting."""
-        self.store = SightingStore(core.database)
+        self.store = SightingStore(core.database, core.shard.own_rows)
         self.journal = SightingJournal(
             sites=core.sites,
             browsers=core.browsers,

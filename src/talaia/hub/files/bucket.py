@@ -21,7 +21,7 @@ from talaia.hub.files.local_folder import LocalFile
 from talaia.hub.files.store_health import StoreUse
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
     from pathlib import Path
     from typing import BinaryIO
 
@@ -56,6 +56,7 @@ class Bucket:
         folder: Path,
         copies: LocalCopies,
         removals: FileRemovals,
+        removes: Callable[[str], Awaitable[bool]] | None = None,
     ) -> None:
         """Keep files by ``client``.
 
@@ -65,6 +66,8 @@ class Bucket:
             folder: where files are that are not in the bucket yet.
             copies: of files that programs of this machine read.
             removals: what is still to be removed.
+            removes: tells whether a file is removed here, by its key; none: all are. Whoever may
+                keep a file under a key is the one who removes what had it before.
 
         """
         self._client = client
@@ -72,6 +75,7 @@ class Bucket:
         self._folder = folder
         self._copies = copies
         self._removals = removals
+        self._removes = removes
         self._removing = asyncio.Lock()
         # Something is to be removed.
         self._due = asyncio.Event()
@@ -195,13 +199,24 @@ class Bucket:
 
     async def _remove_some(self) -> bool:
         async with self._removing:
-            keys = await self._removals.list_keys(_REMOVED_AT_ONCE)
+            keys = await self._due_keys()
             for key in keys:
                 await self._client.delete_file(key)
                 # Each by itself: what is removed must not be tried again after a restart, when
                 # another file may have that name.
                 await self._removals.forget_keys([key])
         return bool(keys)
+
+    async def _due_keys(self) -> list[str]:
+        if self._removes is None:
+            return await self._removals.list_keys(_REMOVED_AT_ONCE)
+        keys: list[str] = []
+        for key in await self._removals.list_keys():
+            if await self._removes(key):
+                keys.append(key)
+            if len(keys) == _REMOVED_AT_ONCE:
+                break
+        return keys
 
     def _report_lie(self, why: str) -> None:
         self._client.health.report_failure(StoreUse.WRITE, why)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.live.files.import_inbox import ImportResult
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.ports import History
+    from talaia.hub.ports import History, Shard
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.descriptions import Descriptions
     from talaia.hub.store.sites.site_registry import KnownSite, SiteRegistry
@@ -41,9 +41,11 @@ class OfflineSites:
         registry: SiteRegistry,
         versions: Descriptions,
         history: History,
+        shard: Shard,
         clock: Clock,
     ) -> None:
-        """Know none yet."""
+        """Know none yet; those that are not of ``shard`` another hub shows."""
+        self._shard = shard
         self._versions = versions
         self._sites = sites
         self._registry = registry
@@ -53,7 +55,8 @@ class OfflineSites:
     async def restore_sites(self) -> None:
         """Know the sites of before, with their last values, though none is connected yet."""
         digests = await self._versions.newest_digests()
-        every = await self._registry.list_sites()
+        listed = await self._registry.list_sites()
+        every = [known for known in listed if self._shard.has_site(known.site)]
         # Several at once, which the history writes down together: who takes over for another hub
         # has all its gateways and pages waiting.
         for first in range(0, len(every), _AT_ONCE):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from typing import TYPE_CHECKING, Protocol
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.alarms.notification_channels import NotifyStore, PushBrowser, Way
     from talaia.hub.store.alarms.notification_outbox import NotificationOutbox, OutboxMessage
 
-__all__ = ["DeliveryWorker", "PictureSource", "Sends"]
+__all__ = ["LONGEST_NAP_S", "DeliveryWorker", "PictureSource", "Sends"]
 
 _LOG = logging.getLogger(__name__)
 _SECOND_US = 1_000_000
@@ -28,7 +29,7 @@ _AGAIN_S = (10, 60, 300, 900, 3600)
 # Each is a process of its own.
 _AT_ONCE = 4
 # What is due is said by the wall's clock, which may be set during a nap.
-_LONGEST_NAP_S = 30.0
+LONGEST_NAP_S = 30.0
 # A hub that ends waits so long for messages that are under way (s).
 _FAREWELL_S = 5.0
 # Until the database is asked again after it did not answer.
@@ -71,8 +72,14 @@ class DeliveryWorker:
         clock: Clock,
         told: Callable[[], Awaitable[None]],
         pictures: PictureSource | None = None,
+        look_s: float = LONGEST_NAP_S,
     ) -> None:
-        """Call ``told`` whenever it has changed which alarms could not be delivered."""
+        """Call ``told`` whenever it has changed which alarms could not be delivered.
+
+        ``look_s``: how often it is looked for what others have put into the outbox, who cannot
+        wake this one (s).
+        """
+        self._look_s = look_s
         # Without it messages are words alone.
         self._pictures = pictures
         # What waits, and what became of it; the database is the only queue.
@@ -118,13 +125,28 @@ class DeliveryWorker:
             except StoreDown:
                 # Nothing is lost: what waits is in the database, which is asked again soon.
                 nap = _RETRY_S
-            try:
-                async with asyncio.timeout(nap):
-                    await self._news.wait()
-            except TimeoutError:
-                pass
+            await self._wait_for_due(nap)
             # Before the look: what is put in during it wakes the next wait.
             self._news.clear()
+
+    async def _wait_for_due(self, left_s: float) -> None:
+        """Wait until something was put into the outbox, or so long."""
+        while left_s > 0:
+            step_s = min(left_s, self._look_s)
+            try:
+                async with asyncio.timeout(step_s):
+                    await self._news.wait()
+            except TimeoutError:
+                left_s -= step_s
+            else:
+                return
+            if left_s > 0:
+                # Read only: to claim takes a turn to write. A database that is away is told of
+                # by who claims.
+                with contextlib.suppress(StoreDown):
+                    due = await self._notices.next_due_us()
+                    if due is not None:
+                        left_s = min(left_s, (due - self._now_us()) / _SECOND_US)
 
     async def deliver_due(self) -> None:
         """Deliver all that is due now, and come back when that is done."""
@@ -150,9 +172,9 @@ class DeliveryWorker:
             task.add_done_callback(self._underway.discard)
         due = await self._notices.next_due_us()
         if due is None:
-            return _LONGEST_NAP_S
+            return LONGEST_NAP_S
         # Not at once again, even if something is due: else a loop that claims nothing would spin.
-        return min(_LONGEST_NAP_S, max(0.05, (due - self._now_us()) / _SECOND_US))
+        return min(LONGEST_NAP_S, max(0.05, (due - self._now_us()) / _SECOND_US))
 
     async def _deliver_message(self, parcel: OutboxMessage) -> None:
         try:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.database_url import OnConnect, Reach
 
-__all__ = ["Database", "open_migrated"]
+__all__ = ["Database", "last_migration", "open_migrated"]
 
 ScalarT = TypeVar("ScalarT")
 
@@ -181,13 +181,13 @@ def _upgrade_schema(connection: Connection) -> None:
 def _run_migrations(connection: Connection) -> None:
     """Run what has not run yet; the caller has the turn to change tables."""
     found = _migrations_done(connection)
-    if found == [_last_migration()]:
+    if found == [last_migration()]:
         return
     # Numbers have four digits, so texts are compared as they are.
-    if found and max(found) > _last_migration():
+    if found and max(found) > last_migration():
         raise StoreError(
             f"the tables are of version {max(found)}, which is newer than this program's "
-            f"{_last_migration()}",
+            f"{last_migration()}",
             "start the newer program, or restore the backup of before with: talaia restore",
         )
     # At most starts there is nothing to do, and to import Alembic takes longer than all the rest.
@@ -210,7 +210,7 @@ def _migrations_done(connection: Connection) -> list[str]:
 
 
 @functools.cache
-def _last_migration() -> str:
+def last_migration() -> str:
     """Give the last migration's number: its file's name begins with it, and is the highest."""
     files = (_MIGRATIONS / "versions").glob("[0-9]*_*.py")
     # Names begin with four digits, so the greatest name is the last step's.

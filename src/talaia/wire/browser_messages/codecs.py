@@ -123,13 +123,20 @@ ToBrowser = (
 )
 
 
-# Errors and the end of a session come on each socket: the page may have only this one open.
+# Errors and the end of a session come on each socket: the page may have only this one open. A ping
+# is answered by the clock that pictures are stamped by: of several hubs another one may answer it
+# on the page's other socket.
 MediaToBrowser = (
-    CameraPicture | CameraPictureBoxes | CameraPictureOverlay | RequestError | SessionEnded
+    CameraPicture
+    | CameraPictureBoxes
+    | CameraPictureOverlay
+    | PagePong
+    | RequestError
+    | SessionEnded
 )
 
 
-MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest
+MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest | PagePing
 
 
 TopicToBrowser = TopicUpdate | TopicMessage | TopicBytes | RequestError | SessionEnded

@@ -74,6 +74,8 @@ class SiteUpdate(SiteMessage, frozen=True, kw_only=True, tag="site"):
     Attributes:
         rival_us: another gateway with this one's key was there then (UTC) and is kept out; 0 when
             none has been for two minutes.
+        away: of several hubs the one that has it cannot be reached: nothing is known of it now,
+            neither its gateway nor its alarms.
 
     """
 
@@ -90,6 +92,7 @@ class SiteUpdate(SiteMessage, frozen=True, kw_only=True, tag="site"):
     # Why it is away; empty while it is connected.
     why: Sentence = ""
     rival_us: Micros = 0
+    away: bool = False
 
 
 class Subscribed(SessionMessage, frozen=True, kw_only=True, tag="subscribed"):

@@ -100,6 +100,14 @@ class DiscoveryWriter(NamedTuple):
         }
         return self._write_entity("button", site, (device, "stop_software"), said)
 
+    def is_about(self, topic: str, site: str) -> bool:
+        """Tell whether a topic describes something of a site."""
+        levels = topic.removeprefix(f"{self.prefix}/").split("/")
+        node = _ODD.sub("_", f"{self.tree.prefix}_{site}_")
+        return (
+            topic.startswith(f"{self.prefix}/") and levels[1:2] != [] and levels[1].startswith(node)
+        )
+
     def _write_entity(
         self,
         component: str,

@@ -21,14 +21,26 @@ class CommandTopic(NamedTuple):
 
 
 class TopicTree(NamedTuple):
-    """All names under a prefix of one or more levels."""
+    """All names under a prefix of one or more levels.
+
+    Attributes:
+        prefix: of every topic.
+        suffix: of one of several hubs that each have some of the sites; empty: of the one that
+            has the rest.
+
+    """
 
     prefix: str
+    suffix: str = ""
 
     @property
     def hub_state(self) -> str:
-        """Whether the hub is there."""
-        return f"{self.prefix}/{_STATE}"
+        """Whether the hub is there that publishes the sites."""
+        return f"{self.prefix}/{_STATE}{self.suffix}"
+
+    def is_about(self, topic: str, site: str) -> bool:
+        """Tell whether a topic is one of a site's."""
+        return topic.startswith(f"{self.prefix}/{site}/")
 
     def site_state(self, site: str) -> str:
         """Name where it stands whether a site's gateway is connected."""

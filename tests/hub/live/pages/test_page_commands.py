@@ -6,6 +6,7 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
+from talaia.clock import SystemClock
 from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
@@ -364,6 +365,15 @@ async def test_slow_viewer_gets_two_pictures_and_then_the_newest(hub, gateway) -
         await camera.hear(frames.BeatReply)
     await viewer.say(page_wire.PictureShown(seq=1))
     assert (await viewer.hear(page_wire.CameraPicture)).seq == 10
+
+
+async def test_viewer_is_told_the_clock_by_which_its_pictures_are_stamped(hub, gateway) -> None:
+    viewer = await hub.viewer("operator", "camera/front")
+    before_us = SystemClock().monotonic_ns() // 1000
+    await viewer.say(page_wire.PagePing(n=7, at_ms=1.5))
+    pong = await viewer.hear(page_wire.PagePong)
+    assert (pong.n, pong.at_ms) == (7, 1.5)
+    assert before_us <= pong.hub_us <= SystemClock().monotonic_ns() // 1000
 
 
 async def test_guest_sees_no_stream_that_is_not_public(hub, gateway) -> None:

@@ -9,7 +9,7 @@ import "../gateways/release-list.js";
 function hub(name: string, role: string, change: Partial<HubShape> = {}): HubShape {
   return {
     name, role, version: "0.1.0", own: false, since_us: (Date.now() - 3_700_000) * 1000, cpu: 0.12, memory_bytes: 190e6,
-    database_ms: 1.2, gateways: 40, sockets: 12, silent_s: 0, ...change,
+    database_ms: 1.2, gateways: 40, sockets: 12, silent_s: 0, shards: [], ...change,
   };
 }
 
@@ -40,7 +40,25 @@ export const entries: readonly GalleryEntry[] = [
     states: [
       {
         name: "three that are well",
-        show: () => html`<t-hub-list .list=${{ clustered: true, bus: true, epoch: 4, hubs: HUBS, problems: [] }}></t-hub-list>`,
+        show: () => html`<t-hub-list .list=${{ clustered: true, bus: true, epoch: 4, hubs: HUBS, shards: [], problems: [] }}></t-hub-list>`,
+      },
+      {
+        name: "sites divided among two leads",
+        show: () =>
+          html`<t-hub-list
+            .list=${{
+              clustered: true,
+              bus: true,
+              epoch: 4,
+              hubs: [hub("east", "leads", { own: true, shards: ["main"] }), hub("south", "leads", { shards: ["north"] }), hub("west", "waits")],
+              shards: [
+                { name: "main", lead: "east", sites: ["dome", "rover"] },
+                { name: "north", lead: "south", sites: [] },
+                { name: "harbour", lead: "", sites: ["crane"] },
+              ],
+              problems: ["No hub leads the shard harbour"],
+            }}
+          ></t-hub-list>`,
       },
       {
         name: "one is gone",
@@ -51,6 +69,7 @@ export const entries: readonly GalleryEntry[] = [
               bus: true,
               epoch: 5,
               hubs: [HUBS[0], hub("a machine with a rather long name:8443", "gone", { silent_s: 312 })],
+              shards: [],
               problems: ["a machine with a rather long name:8443 has not been heard for 312 s", "No other hub is there to take over"],
             }}
           ></t-hub-list>`,

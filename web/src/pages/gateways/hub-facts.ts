@@ -10,7 +10,9 @@ import type { HubShape } from "../../generated/api.js";
 export function hubFacts(hub: HubShape, nowUs: number): readonly string[] {
   // What it said last is of the past, however well it was then.
   if (hub.role === "gone") return [msg(str`last heard ${formatAge(hub.silent_s)}`)];
+  const led = hub.shards.length === 0 ? [] : [msg(str`leads ${hub.shards.join(", ")}`)];
   const facts = [
+    ...led,
     msg(str`version ${hub.version}`),
     msg(str`${plural(hub.gateways, msg("1 gateway"), msg(str`${String(hub.gateways)} gateways`))} and ${plural(hub.sockets, msg("1 socket"), msg(str`${String(hub.sockets)} sockets`))} came in here`),
     msg(str`${(hub.cpu * 100).toFixed(0)} % of a core`),

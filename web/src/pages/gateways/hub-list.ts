@@ -1,13 +1,14 @@
 /** The hubs that are one: which leads, how each is, and what is wrong. */
 
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
-import type { HubList, HubShape } from "../../generated/api.js";
+import { plural } from "../../words/plural.js";
+import type { HubList, HubShape, ShardShape } from "../../generated/api.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 import { hubFacts } from "./hub-facts.js";
 import "../../elements/feedback/banner.js";
@@ -48,8 +49,38 @@ export class HubListView extends LitElement {
         list.hubs.map((hub) => ({ ...hub, id: hub.name })),
         (hub) => renderHub(hub),
       )}
+      ${list.shards.length === 0 ? nothing : renderShards(list.shards)}
     </section>`;
   }
+}
+
+function renderShards(shards: readonly ShardShape[]): TemplateResult {
+  return html`<h3>${msg("Shards")}</h3>
+    ${renderRows(
+      shards.map((shard) => ({ ...shard, id: shard.name })),
+      (shard) => renderShard(shard),
+    )}`;
+}
+
+function renderShard(shard: ShardShape): TemplateResult {
+  const count = shard.sites.length;
+  return html`<li>
+    <div>
+      <span class="name">${shard.name}</span>
+      <div class="facts">
+        <span>${shard.lead === "" ? msg("no hub leads it") : msg(str`led by ${shard.lead}`)}</span>
+        ${
+          count === 0
+            ? html`<span>${msg("no sites")}</span>`
+            : html`<details>
+                <summary>${plural(count, msg("1 site"), msg(str`${String(count)} sites`))}</summary>
+                ${shard.sites.join(", ")}
+              </details>`
+        }
+      </div>
+    </div>
+    <t-status kind=${shard.lead === "" ? "offline" : "online"} word=${shard.lead === "" ? msg("no lead") : msg("led")}></t-status>
+  </li>`;
 }
 
 function renderHub(hub: HubShape): TemplateResult {

@@ -251,7 +251,15 @@ export class Shell extends LitElement {
       >`;
     }
     const rivals = this.sites.store?.list.filter((row) => row.rival_us > 0) ?? [];
-    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()} ${this.renderOutdated()}`;
+    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderMissing()} ${this.renderUnreachable()} ${this.renderOutdated()}`;
+  }
+
+  /** Of several hubs that divide sites among them, one is away. */
+  private renderMissing(): unknown {
+    const missing = this.sites.store?.missing ?? [];
+    if (missing.length === 0) return nothing;
+    const names = missing.join(", ");
+    return html`<t-banner kind="bad">${msg(str`The hub that has the sites of ${names} cannot be reached. Nothing is known of them now; it is tried again by itself.`)}</t-banner>`;
   }
 
   /** Nobody's page is loaded anew behind their back: they may be driving. */

@@ -324,9 +324,14 @@ export class CameraTile extends LitElement {
 
   /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */
   private onDecoded(picture: DecodedPicture, shot: CameraPicture): void {
-    const age = this.link.connection?.ageMsOf(shot.hub_us) ?? Number.NaN;
+    const age = this.ageMsOf(shot);
     this.inStep.addPicture(picture, shot, age, performance.now());
     this.drawDue();
+  }
+
+  /** Age (ms) of a picture by the clock of the hub that sent it; NaN while that is not known. */
+  private ageMsOf(shot: CameraPicture): number {
+    return this.socket?.ageMsOf(shot.hub_us, (hubUs) => this.link.connection?.ageMsOf(hubUs) ?? Number.NaN) ?? Number.NaN;
   }
 
   /** Draws what is due, and comes back for the next. */
@@ -356,7 +361,7 @@ export class CameraTile extends LitElement {
     this.last = shot;
     // For tests and measurements; see `bench/`.
     (globalThis as { __talaiaPictured?: (timeUs: number, format: string) => void }).__talaiaPictured?.(shot.time_us, shot.format);
-    const age = this.link.connection?.ageMsOf(shot.hub_us) ?? Number.NaN;
+    const age = this.ageMsOf(shot);
     this.takenAt = Number.isFinite(age) ? now - Math.max(0, age) : null;
     this.drawn = true;
     this.arrivals = [...this.arrivals.slice(-120), now];

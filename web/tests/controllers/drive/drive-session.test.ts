@@ -13,7 +13,7 @@ function lease(more: Partial<LeaseUpdate> = {}): LeaseUpdate {
   };
 }
 function siteNews(online: boolean): Parameters<FakeLine["say"]>[0] {
-  return { t: "site", site: "agv", online, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 };
+  return { t: "site", site: "agv", online, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false };
 }
 let line: FakeLine;
 beforeEach(() => {

@@ -12,7 +12,7 @@ beforeEach(() => {
 afterEach(() => {
   vi.useRealTimers();
 });
-const siteNews = (site: string, online: boolean): ToBrowser => ({ t: "site", site, online, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+const siteNews = (site: string, online: boolean): ToBrowser => ({ t: "site", site, online, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false });
 const stopNews = (site: string, id: string, confirmed: boolean): ToBrowser => ({ t: "stop_news", site, device: "base", latched: true, confirmed, who: "ada", time_us: 1, id });
 
 describe("STOP of a group", () => {

@@ -61,7 +61,7 @@ describe("a frame for a twin", () => {
   test("is not live after the site went away", () => {
     twin.setLive(true, 4);
     line.say(news(true));
-    line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 });
+    line.say({ t: "site", site: "agv", online: false, since_us: 0, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0, away: false });
     line.say(news(true));
     expect(frameIsLive()).toBe(false);
   });

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.api.access import Access
     from talaia.hub.live.pages.session_registry import SocketSessions
-    from talaia.hub.live.sites import Sites
+    from talaia.hub.ports import DescribedSites
     from talaia.hub.store.accounts.displays import Displays
     from talaia.hub.store.audit import Audit
 
@@ -42,7 +42,7 @@ class DisplayPages:
         displays: Displays,
         access: Access,
         seats: SocketSessions,
-        sites: Sites,
+        sites: DescribedSites,
         audit: Audit,
         clock: Clock,
     ) -> None:

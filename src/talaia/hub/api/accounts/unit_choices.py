@@ -17,7 +17,7 @@ from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
-    from talaia.hub.live.sites import Sites
+    from talaia.hub.ports import DescribedSites
     from talaia.hub.store.accounts.shown_units import ShownUnits
 
 __all__ = ["UnitChoicePages"]
@@ -29,7 +29,7 @@ _OWN_UNITS = ("m", "m/s")
 class UnitChoicePages:
     """The routes of one's units."""
 
-    def __init__(self, sites: Sites, shown: ShownUnits) -> None:
+    def __init__(self, sites: DescribedSites, shown: ShownUnits) -> None:
         """Keep choices in ``shown``; ``sites`` tell what there is to choose."""
         self._sites = sites
         self._shown = shown

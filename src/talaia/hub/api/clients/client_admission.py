@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Who
     from talaia.hub.clients.open_protocols import OpenProtocols
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import DescribedSites
     from talaia.hub.store.accounts.sessions import LiveSession
 
 __all__ = ["AdmittedClient", "ClientAdmission", "token_of"]
@@ -43,9 +44,19 @@ class ClientAdmission:
     """Lets clients of other tools in, or says why not."""
 
     def __init__(
-        self, *, access: Access, limits: RateLimits, protocols: OpenProtocols, sites: Sites
+        self,
+        *,
+        access: Access,
+        limits: RateLimits,
+        protocols: OpenProtocols,
+        sites: Sites,
+        known: DescribedSites,
     ) -> None:
-        """Know tokens by ``access``; what is open stands in ``protocols``."""
+        """Know tokens by ``access``; what is open stands in ``protocols``.
+
+        Clients connect to ``sites``; ``known`` are those of other shards, too.
+        """
+        self._known = known
         # Tokens only: what a browser sends by itself does not count here.
         self._access = access
         # The same counts as for pages, by person.
@@ -123,12 +134,14 @@ class ClientAdmission:
         if name:
             return self.site_for(who, name)
         seen = [
-            live for live in self._sites if allows(AccessNeed.SEE, who.grants, live.description)
+            site for site in self._known if allows(AccessNeed.SEE, who.grants, site.description)
         ]
-        if len(seen) != 1:
-            names = ", ".join(live.name for live in seen) or "none"
+        live = self._sites.find_site(seen[0].name) if len(seen) == 1 else None
+        # The only one may be of another shard, which is found by its name alone.
+        if live is None:
+            names = ", ".join(site.name for site in seen) or "none"
             raise ApiProblem(400, "site", f"put site=… into the address; there are: {names}")
-        return seen[0]
+        return live
 
     def count_connection(self, who: Who) -> AbstractContextManager[bool]:
         """Count a connection while it is open, as a page's; gives False when it is too many."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.clients.mqtt.broker_presence import BrokerContact, BrokerPresence
     from talaia.hub.clients.open_protocols import OpenProtocols
-    from talaia.hub.live.sites import Sites
+    from talaia.hub.ports import DescribedSites
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.clients.protocols import ClientProtocols, ProtocolState
 
@@ -44,7 +44,7 @@ class ClientProtocolPages:
         store: ClientProtocols,
         protocols: OpenProtocols,
         brokers: Mapping[str, Sequence[BrokerPresence]],
-        sites: Sites,
+        sites: DescribedSites,
         audit: Audit,
     ) -> None:
         """Write into ``store``; ``protocols`` follows at once.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.api.hubs.hub_schemas import HubShape
+    from talaia.hub.api.hubs.hub_schemas import HubShape, ShardShape
 
 __all__ = ["find_problems"]
 
@@ -15,7 +15,9 @@ __all__ = ["find_problems"]
 _SLOW_MS = 250.0
 
 
-def find_problems(hubs: Sequence[HubShape], *, bus: bool) -> list[str]:
+def find_problems(
+    hubs: Sequence[HubShape], shards: Sequence[ShardShape] = (), *, bus: bool
+) -> list[str]:
     """Say what is wrong; ``bus``: whether the hubs can hear each other at all."""
     problems = []
     if not bus:
@@ -36,4 +38,20 @@ def find_problems(hubs: Sequence[HubShape], *, bus: bool) -> list[str]:
         for hub in living
         if hub.database_ms > _SLOW_MS
     ]
+    if bus:
+        problems += _shard_problems(living, shards)
+    return problems
+
+
+def _shard_problems(living: Sequence[HubShape], shards: Sequence[ShardShape]) -> list[str]:
+    problems = [f"No hub leads the shard {shard.name}" for shard in shards if not shard.lead]
+    idle = [hub for hub in living if hub.role == "waits"]
+    problems += [
+        f"{hub.name} leads {len(hub.shards)} shards and {idle[0].name} none: restart {hub.name}"
+        " to divide them"
+        for hub in living
+        if len(hub.shards) > 1 and idle
+    ]
+    if shards and not idle and len(living) > 1:
+        problems.append("Every hub leads: one more would take over sooner when one is gone")
     return problems

@@ -19,7 +19,7 @@ from talaia.hub.child_end import finish_child
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from talaia.hub.live.sites import Sites
+    from talaia.hub.ports import DescribedSites
     from talaia.hub.settings import Settings
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.descriptions import Descriptions
@@ -36,7 +36,7 @@ class SupportBundlePages:
     """The route of the support bundle."""
 
     def __init__(
-        self, *, settings: Settings, sites: Sites, descriptions: Descriptions, audit: Audit
+        self, *, settings: Settings, sites: DescribedSites, descriptions: Descriptions, audit: Audit
     ) -> None:
         """Make bundles of this hub."""
         self._settings = settings

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import DescribedSite, DescribedSites
     from talaia.hub.store.accounts.roles import Roles
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.boards import Boards, KeptBoard
@@ -66,7 +66,9 @@ _SHARING = "to share a board takes the right use at its site; other roles take a
 class BoardPages:
     """The routes of boards."""
 
-    def __init__(self, *, boards: Boards, roles: Roles, sites: Sites, audit: Audit) -> None:
+    def __init__(
+        self, *, boards: Boards, roles: Roles, sites: DescribedSites, audit: Audit
+    ) -> None:
         """Answer from ``boards``, and from the descriptions of ``sites``."""
         self._boards = boards
         self._roles = roles
@@ -245,7 +247,7 @@ class BoardPages:
             raise ApiProblem(403, "forbidden", "this board is somebody else's; save a copy")
         return kept
 
-    def _find_described(self, key: str, who: Who) -> tuple[LiveSite, str, Board] | None:
+    def _find_described(self, key: str, who: Who) -> tuple[DescribedSite, str, Board] | None:
         site, colon, name = key.partition(_COLON)
         live = self._sites.find_site(site) if colon else None
         board = None if live is None else live.description.boards.get(name)
@@ -269,7 +271,7 @@ class BoardPages:
         )
 
 
-def _sees_described(who: Who, live: LiveSite, board: Board) -> bool:
+def _sees_described(who: Who, live: DescribedSite, board: Board) -> bool:
     if board.share is BoardOpenness.PUBLIC:
         return sees_site(who.grants, live.description)
     # Nobody owns it: a number that no account has.
@@ -295,7 +297,7 @@ def _row_of(kept: KeptBoard, who: Who) -> BoardRow:
     )
 
 
-def _row_of_described(live: LiveSite, name: str, board: Board) -> BoardRow:
+def _row_of_described(live: DescribedSite, name: str, board: Board) -> BoardRow:
     return BoardRow(
         key=f"{live.name}{_COLON}{name}",
         name=board.name,

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.sites import LiveSite
+    from talaia.hub.ports import Shard
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.enrolment import Enrolment
     from talaia.hub.store.sites.site_registry import KnownGateway, SiteRegistry
@@ -73,8 +74,13 @@ class GatewayPages:
         audit: Audit,
         clock: Clock,
         proof: Callable[[], Proof],
+        shard: Shard,
     ) -> None:
-        """Ask ``proof`` for the certificate of now each time: it may have been renewed."""
+        """Ask ``proof`` for the certificate of now each time: it may have been renewed.
+
+        Gateways are listed whose sites are of ``shard``; codes by the main one.
+        """
+        self._shard = shard
         self._registry = registry
         self._enrolment = enrolment
         # Connections that are open: a key that became void must not live on in one.
@@ -100,7 +106,8 @@ class GatewayPages:
     async def overview(self) -> GatewayList:
         """List all gateways that have or had a key, and the codes that can still be used."""
         online = self._links.online_gateways()
-        known, codes = await self._registry.list_gateways(), await self._enrolment.list_open()
+        known = await self._registry.list_gateways(self._shard.own_rows)
+        codes = await self._enrolment.list_open() if self._shard.is_main else []
         return GatewayList(
             gateways=[
                 GatewayShape(

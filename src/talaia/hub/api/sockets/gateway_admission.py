@@ -24,19 +24,34 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.resume_tokens import ResumeTokens
     from talaia.hub.live.gateways.join_queue import JoinQueue
+    from talaia.hub.ports import Shard
     from talaia.hub.store.sites.site_registry import SiteRegistry
 
 __all__ = ["GatewayAdmission"]
+
+_ELSEWHERE = "another hub has this site; come again"
+# Until whoever leads gateways to their hub may know better (s).
+_ELSEWHERE_S = 1
 
 
 class GatewayAdmission:
     """Lets gateways in, or sends them away before the upgrade."""
 
     def __init__(
-        self, *, registry: SiteRegistry, resumes: ResumeTokens, turns: JoinQueue, clock: Clock
+        self,
+        *,
+        registry: SiteRegistry,
+        resumes: ResumeTokens,
+        turns: JoinQueue,
+        shard: Shard,
+        clock: Clock,
     ) -> None:
-        """Know keys by ``registry``; ``turns`` at it, for gateways that all dial at once."""
+        """Know keys by ``registry``; ``turns`` at it, for gateways that all dial at once.
+
+        A gateway of a site that is not of ``shard`` is sent away, to come again.
+        """
         self._registry = registry
+        self._shard = shard
         self._resumes = resumes
         self._turns = turns
         self._challenges = GatewayChallenges(clock)
@@ -49,6 +64,12 @@ class GatewayAdmission:
         try:
             if SOCKETS.get(path, AccessNeed.NEVER) is AccessNeed.GATEWAY:
                 found = await self._find_key(socket, path)
+                if not self._shard.is_whole and not await self._is_own(socket, found):
+                    code, after_s = "elsewhere", _ELSEWHERE_S
+                    await deny_socket(
+                        socket, status=503, code=code, message=_ELSEWHERE, retry_s=after_s
+                    )
+                    return None
         except HubBusy as error:
             # No fault of the key: a 401 would say that it is void.
             after_s = round(self._turns.after_s)
@@ -72,6 +93,13 @@ class GatewayAdmission:
         words = next_nonce_words(self._challenges.make_nonce()) if key.challenged else ""
         headers = [(b"authentication-info", words.encode())] if words else []
         await socket.accept(headers=headers)
+
+    async def _is_own(self, socket: WebSocket, found: GatewayKey | None) -> bool:
+        # Before anything is told of its key; one that only asks for a number says its site, too.
+        proof = read_proof(socket.headers.get("authorization", ""))
+        said = "" if proof is None else proof.site
+        site = said if found is None else found.site
+        return not site or await self._shard.look_up(site)
 
     async def _find_key(self, socket: WebSocket, path: str) -> GatewayKey | None:
         header = socket.headers.get("authorization", "")

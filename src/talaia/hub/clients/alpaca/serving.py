@@ -45,6 +45,7 @@ class ServiceParts(NamedTuple):
 
     Attributes:
         who_of_token: tells whose a token is; raises `StoreDown`.
+        is_here: tells whether the site is served by this hub, where several have some each.
         hosts: names by which the hub is reached.
 
     """
@@ -56,6 +57,7 @@ class ServiceParts(NamedTuple):
     audit: Audit
     clock: Clock
     who_of_token: Callable[[str], Awaitable[Who | None]]
+    is_here: Callable[[], bool]
     hosts: Collection[str]
 
 
@@ -137,7 +139,7 @@ class AlpacaService:
             _LOG.warning("Alpaca's discovery is not answered: %s", error.strerror or error)
 
     async def _look_up_account(self) -> None:
-        if not self._parts.protocols.is_open(ALPACA):
+        if not self._parts.protocols.is_open(ALPACA) or not self._parts.is_here():
             self._who = None
             return
         try:

@@ -17,9 +17,10 @@ from talaia.hub.clients.mqtt.broker_keeper import FAREWELL_S, BrokerKeeper
 from talaia.hub.clients.mqtt.site_publisher import SitePublisher
 from talaia.hub.errors import StoreDown
 from talaia.wire.mqtt.payloads import OFFLINE, ONLINE
-from talaia.wire.mqtt.topic_tree import TopicTree
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     import aiomqtt
 
     from talaia.hub.auth.permissions import Who
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from talaia.hub.clients.mqtt.broker_settings import BrokerSettings
     from talaia.hub.live.sites import LiveSite
     from talaia.wire.mqtt.home_assistant import DiscoveryWriter
+    from talaia.wire.mqtt.topic_tree import TopicTree
 
 __all__ = ["MqttBridge"]
 
@@ -45,6 +47,7 @@ class MqttBridge:
         parts: BridgeParts,
         *,
         feed: BrokerFeed,
+        tree: TopicTree,
         discovery: DiscoveryWriter | None,
         check_s: float,
     ) -> None:
@@ -54,6 +57,7 @@ class MqttBridge:
             settings: of the broker.
             parts: of the hub.
             feed: what goes to the broker.
+            tree: names the topics.
             discovery: for Home Assistant.
             check_s: it is looked so often whether the token is good and the protocol open.
 
@@ -64,7 +68,7 @@ class MqttBridge:
         self._discovery = discovery
         self._broker = str(settings.broker)
         self._keeper = BrokerKeeper(settings, parts, via="MQTT", check_s=check_s)
-        self._tree = TopicTree(settings.prefix)
+        self._tree = tree
         # By site: the topics that its publisher keeps; None until all have said so.
         self._kept: dict[str, set[str]] = {}
         self._complete = False
@@ -115,7 +119,7 @@ class MqttBridge:
             if who is None:
                 # What may not be published any more does not stay there either.
                 self._feed.send_answer(self._tree.hub_state, OFFLINE)
-                self._feed.keep_only(())
+                self._keep_only(())
                 break
             await self._publish_account(client, who)
         else:
@@ -181,7 +185,25 @@ class MqttBridge:
         ]
 
     def _clear_others(self) -> None:
-        self._feed.keep_only({self._tree.hub_state}.union(*self._kept.values()))
+        self._keep_only({self._tree.hub_state}.union(*self._kept.values()))
+
+    def _keep_only(self, topics: Collection[str]) -> None:
+        # Of sites that another shard has by now: it has published them anew.
+        elsewhere = [name for name in self._settings.sites if not self._parts.has_site(name)]
+        self._feed.forget_topics(
+            [
+                topic
+                for topic in self._feed.known_topics
+                for name in elsewhere
+                if self._is_about(topic, name)
+            ]
+        )
+        self._feed.keep_only(topics)
+
+    def _is_about(self, topic: str, site: str) -> bool:
+        if self._discovery is not None and self._discovery.is_about(topic, site):
+            return True
+        return self._tree.is_about(topic, site)
 
     # ── an output, see `BrokerOutput` ──
 

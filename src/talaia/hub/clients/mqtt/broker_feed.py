@@ -53,6 +53,15 @@ class BrokerFeed:
         self._topics.set_payload(topic, payload)
         self._signal_due()
 
+    @property
+    def known_topics(self) -> frozenset[str]:
+        """All topics of ours that the broker may hold."""
+        return self._topics.known
+
+    def forget_topics(self, topics: Collection[str]) -> None:
+        """Leave topics as they are at the broker: somebody else sees to them."""
+        self._topics.forget_topics(topics)
+
     def keep_only(self, topics: Collection[str]) -> None:
         """Clear every topic but these."""
         self._topics.keep_only(topics)

@@ -44,6 +44,7 @@ class BridgeParts(NamedTuple):
     """What of the hub a bridge uses.
 
     Attributes:
+        has_site: tells whether a site is published here, where several hubs have some each.
         who_of_token: tells whose a token is; raises `StoreDown`.
 
     """
@@ -52,6 +53,7 @@ class BridgeParts(NamedTuple):
     protocols: OpenProtocols
     presence: BrokerPresence
     sites: Sites
+    has_site: Callable[[str], bool]
     audit: Audit
     clock: Clock
     who_of_token: Callable[[str], Awaitable[Who | None]]

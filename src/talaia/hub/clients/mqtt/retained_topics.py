@@ -59,6 +59,14 @@ class RetainedTopics:
             else:
                 self._due.pop(topic, None)
 
+    def forget_topics(self, topics: Collection[str]) -> None:
+        """Leave topics as they are at the broker from now on: somebody else sees to them."""
+        for topic in self._known & set(topics):
+            self._known.discard(topic)
+            self._wanted.pop(topic, None)
+            self._due.pop(topic, None)
+            self.revision += 1
+
     def withhold_values(self) -> None:
         """Send nothing that is not set again: whoever set it may not have it any more."""
         self._wanted.clear()

@@ -41,6 +41,10 @@ class AlpacaFeature(Feature):
             alive = await access.who_of_token(token)
             return alive.who if alive is not None else None
 
+        def is_here() -> bool:
+            # One address for one site: of several shards that one listens which has it.
+            return core.shard.is_whole or core.sites.find_site(settings.site) is not None
+
         parts = ServiceParts(
             connections=clients.connections,
             protocols=clients.protocols,
@@ -49,6 +53,7 @@ class AlpacaFeature(Feature):
             audit=audit,
             clock=core.clock,
             who_of_token=who_of_token,
+            is_here=is_here,
             hosts=core.settings.host_names,
         )
         service = AlpacaService(settings, parts, check_s=core.settings.check_s)

@@ -49,9 +49,13 @@ class ClientProtocolsFeature(Feature):
         # Two tables: what is open, and who drives.
         store = ClientProtocols(core.database, core.clock)
         # In memory, so that no connection waits for the database to be told yes or no.
-        self.protocols = OpenProtocols(store)
+        self.protocols = OpenProtocols(store, led_elsewhere=not core.shard.is_main)
         self.admission = ClientAdmission(
-            access=people.access, limits=people.limits, protocols=self.protocols, sites=core.sites
+            access=people.access,
+            limits=people.limits,
+            protocols=self.protocols,
+            sites=core.sites,
+            known=core.known_sites,
         )
         self.connections = ClientConnections(
             service=service, protocols=self.protocols, clock=core.clock
@@ -63,7 +67,7 @@ class ClientProtocolsFeature(Feature):
             store=store,
             protocols=self.protocols,
             brokers=self._brokers,
-            sites=core.sites,
+            sites=core.known_sites,
             audit=audit,
         )
         self.routers = [pages.router()]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from talaia import __version__
 from talaia.hub.clients.mqtt.bridge import MqttBridge
 from talaia.hub.clients.mqtt.broker_feed import BrokerFeed
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["MqttFeature"]
 
-_KNOWN_FILE = "mqtt-topics.json"
 _BIRTHS_FILE = "sparkplug-birth"
 
 
@@ -47,7 +48,8 @@ class MqttFeature(Feature):
         if core.settings.mqtt is None:
             return
 
-        settings = read_broker_settings(core.settings.mqtt)
+        settings = _with_suffix(read_broker_settings(core.settings.mqtt), core.shard.suffix)
+        suffix = core.shard.suffix
 
         async def who_of_token(token: str) -> Who | None:
             alive = await access.who_of_token(token)
@@ -58,6 +60,7 @@ class MqttFeature(Feature):
             protocols=clients.protocols,
             presence=clients.name_broker(str(settings.broker)),
             sites=core.sites,
+            has_site=core.shard.has_site,
             audit=audit,
             clock=core.clock,
             who_of_token=who_of_token,
@@ -66,7 +69,7 @@ class MqttFeature(Feature):
         self.tasks = [BackgroundTask(name="publish", run=bridge.run, stop=bridge.stop_bridge)]
         if settings.sparkplug is not None:
             presence = clients.name_broker(f"{settings.broker} (Sparkplug)")
-            births = BirthNumbers(core.settings.data / _BIRTHS_FILE)
+            births = BirthNumbers(core.settings.data / f"{_BIRTHS_FILE}{suffix}")
             node = SparkplugNode(
                 settings,
                 settings.sparkplug,
@@ -78,9 +81,21 @@ class MqttFeature(Feature):
             self.tasks.append(task)
 
 
+def _with_suffix(settings: BrokerSettings, suffix: str) -> BrokerSettings:
+    """Give a shard names of its own: a broker ends whoever has the name of one that comes."""
+    if not suffix:
+        return settings
+    broker = msgspec.structs.replace(settings.broker, client_id=settings.broker.client_id + suffix)
+    sparkplug = settings.sparkplug
+    if sparkplug is not None:
+        sparkplug = msgspec.structs.replace(sparkplug, node=sparkplug.node + suffix)
+    return msgspec.structs.replace(settings, broker=broker, sparkplug=sparkplug)
+
+
 def _make_bridge(core: Core, settings: BrokerSettings, parts: BridgeParts) -> MqttBridge:
-    tree = TopicTree(settings.prefix)
-    known = KnownTopics(core.settings.data / _KNOWN_FILE)
+    tree = TopicTree(settings.prefix, core.shard.suffix)
+    # What was published by another shard is not cleared here: it may be there anew.
+    known = KnownTopics(core.settings.data / f"mqtt-topics{core.shard.suffix}.json")
     discovery = None
     if settings.home_assistant:
         discovery = DiscoveryWriter(settings.home_assistant, tree, __version__)
@@ -88,6 +103,7 @@ def _make_bridge(core: Core, settings: BrokerSettings, parts: BridgeParts) -> Mq
         settings,
         parts,
         feed=BrokerFeed(str(settings.broker), known),
+        tree=tree,
         discovery=discovery,
         check_s=core.settings.check_s,
     )

@@ -46,6 +46,7 @@ class TapsFeature(Feature):
             uploads=data / "meshes" / ".coming",
             sites=core.sites,
             taps=core.taps,
+            has_site=core.shard.has_site,
         )
         self.routers = [TopicPages(core.taps).router(), AssetPages(self.assets).router()]
         sockets = TopicSockets(

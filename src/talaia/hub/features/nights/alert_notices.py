@@ -9,6 +9,7 @@ from talaia.hub.api.observing.alert_notices import AlertPages
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.observing.alert_folder import AlertFolder
 from talaia.hub.live.observing.alert_intake import AlertIntake
+from talaia.hub.live.observing.notice_readers import NoticeReaders
 from talaia.hub.store.observing.alert_store import AlertStore
 
 if TYPE_CHECKING:
@@ -46,5 +47,8 @@ class AlertNoticesFeature(Feature):
         )
         self.routers = [pages.make_router()]
         if core.settings.alerts is not None:
-            folder = AlertFolder(core.settings.alerts, core.sites, self.intake)
+            readers = None
+            if core.seat is not None and core.seat.plan.names:
+                readers = NoticeReaders(core.shard.name, core.seat.plan.all_names)
+            folder = AlertFolder(core.settings.alerts, core.sites, self.intake, readers)
             self.tasks = [BackgroundTask(name="read notices", run=folder.run)]

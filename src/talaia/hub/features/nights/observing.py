@@ -56,7 +56,7 @@ class ObservingFeature(Feature):
         """
         database, clock, simulated = core.database, core.clock, core.settings.simulated_sites
         self.proposals = ProposalStore(database, clock)
-        self.requests = RequestStore(database, clock)
+        self.requests = RequestStore(database, clock, core.shard.own_rows)
         observations = ObservationStore(database, clock)
         self.board = NightBoard(core.sites, core.browsers, clock)
         sender = self.sender = RequestSender(core.sites, self.requests, self.proposals)

@@ -11,6 +11,8 @@ from talaia.hub.files.local_folder import LocalFolder
 from talaia.hub.files.store_mark import write_mark
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from talaia.hub.features.feature import Core
     from talaia.hub.files.bucket import Bucket
     from talaia.hub.files.ports import FileStore
@@ -72,6 +74,16 @@ def _make_bucket(core: Core) -> Bucket | None:
         BucketClient(address),
         url=address.url,
         folder=data,
-        copies=LocalCopies(data / "copies", _MOST_COPIES),
+        # Each begins without those of a run before: of another shard, they are in use.
+        copies=LocalCopies(data / f"copies{core.shard.suffix}", _MOST_COPIES),
         removals=FileRemovals(core.database),
+        removes=None if core.shard.is_whole else _own_files(core),
     )
+
+
+def _own_files(core: Core) -> Callable[[str], Awaitable[bool]]:
+    async def is_own(key: str) -> bool:
+        # ``recordings/site/…`` and ``archive/site/…``; what is of no site is the main shard's.
+        return await core.shard.look_up(key.split("/")[1] if key.count("/") > 1 else "")
+
+    return is_own

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.hubs.hub_pages import HubPages
 from talaia.hub.features.feature import Feature
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -24,4 +25,6 @@ class HubsFeature(Feature):
 
         What is wrong with ``files`` is said there, too.
         """
-        self.routers = [HubPages(core.seat, core.clock, files).make_router()]
+        homes = HistoryHomes(core.database)
+        pages = HubPages(core.seat, core.clock, files=files, sites=core.sites, homes=homes)
+        self.routers = [pages.make_router()]

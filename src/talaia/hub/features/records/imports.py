@@ -38,5 +38,6 @@ class ImportsFeature(Feature):
             sites=core.sites, registry=registry, history=history, alarms=alarms, audit=audit
         )
         # A folder in which ``talaia import`` leaves what it has read, for the hub to store.
-        inbox = ImportInbox(history, core.settings.data / FOLDER, imported.record_import)
+        folder = core.settings.data / FOLDER
+        inbox = ImportInbox(history, folder, imported.record_import, shard=core.shard)
         self.tasks = [BackgroundTask(name="take imports", run=inbox.run)]

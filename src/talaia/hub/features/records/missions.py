@@ -48,7 +48,7 @@ class MissionsFeature(Feature):
         """Ask robots by ``pages``; ``deliver`` is called when there may be a message to send."""
         self._core = core
         self._deliver = deliver
-        self.store = MissionStore(core.database, core.clock)
+        self.store = MissionStore(core.database, core.clock, core.shard.own_rows)
         self.service = MissionService(
             sites=core.sites,
             store=self.store,

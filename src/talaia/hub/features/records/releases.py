@@ -30,7 +30,7 @@ class ReleasesFeature(Feature):
     def __init__(self, core: Core, *, reporting: RobotEvents, audit: Audit) -> None:
         """Tell ``reporting`` what becomes of each gateway."""
         self.rollouts = RolloutService(
-            folder=ReleaseFolder(core.settings.data / "releases"),
+            folder=ReleaseFolder(core.settings.data / "releases", core.shard.suffix),
             sites=core.sites,
             reporting=reporting,
             clock=core.clock,

@@ -27,7 +27,8 @@ class RobotLogFeature(Feature):
 
     def __init__(self, core: Core) -> None:
         """Keep them in the hub's database, for as long as its settings say."""
-        store, settings = RobotLogStore(core.database, core.clock), core.settings
+        settings = core.settings
+        store = RobotLogStore(core.database, core.clock, own=core.shard.own_rows)
         self.intake = RobotLogIntake(
             store, core.clock, days=settings.robot_log_days, most=settings.robot_log_most
         )

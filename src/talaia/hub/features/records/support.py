@@ -24,7 +24,7 @@ class SupportFeature(Feature):
         """Write to ``audit`` that one was made."""
         pages = SupportBundlePages(
             settings=core.settings,
-            sites=core.sites,
+            sites=core.known_sites,
             descriptions=Descriptions(core.database, core.clock),
             audit=audit,
         )

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import logging
 from typing import TYPE_CHECKING, TypeVar
 
-from talaia.hub.errors import CannotStart, HubError
+from talaia.hub.errors import CannotStart
 from talaia.hub.history.errors import HistoryAway, HistoryError
 from talaia.hub.history.servers.history_server import STILL_S, HistoryServer
 from talaia.hub.history.servers.late_descriptions import LateDescriptions
-from talaia.hub.history.servers.site_move import SiteMove
+from talaia.hub.history.servers.site_moves import SiteMoves
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
 from talaia.hub.store.history_servers.home_tables import OWN
@@ -42,13 +41,12 @@ if TYPE_CHECKING:
     from talaia.hub.history.servers.server_file import HistoryServersFile
     from talaia.hub.history.storage import Storage
     from talaia.hub.history.store import HistoryStore
-    from talaia.hub.store.history_servers.history_homes import HistoryHome, HistoryHomes
+    from talaia.hub.store.history_servers.history_homes import HistoryHomes
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
 __all__ = ["HistoryServers"]
 
-_LOG = logging.getLogger(__name__)
 ResultT = TypeVar("ResultT")
 # Between two looks at servers that are away, and at moves that were asked for (s).
 _LOOK_S = 2.0
@@ -67,31 +65,41 @@ class HistoryServers:
 
     def __init__(
         self,
-        own: HistoryStore,
+        own: HistoryStore | None,
         named: HistoryServersFile,
         homes: HistoryHomes,
         *,
         clock: Clock,
         limits: HistoryLimits,
         still_s: float = STILL_S,
+        shard: str | None = None,
     ) -> None:
         """Have ``own``, the hub's own database, and those that are ``named``.
 
-        One that does not answer for ``still_s`` is away.
+        Args:
+            own: of a shard other than the main one, none.
+            named: the file of servers.
+            homes: which has which site.
+            clock: the time.
+            limits: of each of them.
+            still_s: one that does not answer for so long is away.
+            shard: have this one's servers alone; none: have all.
 
         Raises:
             HistoryError: a URL cannot be read, or its driver is not installed.
 
         """
         self._own = own
-        self._homes = homes
+        self._named, self._homes, self._limits = named, homes, limits
         self._servers = {
             name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes, still_s=still_s)
             for name, url in named.servers.items()
+            if shard in (None, named.plan.shard_of_server(name))
         }
         # Which of them has which site.
-        self.places = SitePlaces(own, self._servers, named, homes)
+        self.places = SitePlaces(own, self._servers, named, homes, shard=shard)
         self.descriptions = LateDescriptions(self.places)
+        self._moves = SiteMoves(self.places, self.descriptions, homes)
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -101,24 +109,26 @@ class HistoryServers:
             CannotStart: a site is on a server that is not named.
 
         """
-        await self._own.open()
+        if self._own is not None:
+            await self._own.open()
         for home in await self._homes.list_homes():
             for name in filter(None, (home.server, home.moving_to, home.erase_at)):
-                if name != OWN and name not in self._servers:
+                if name != OWN and name not in self._named.servers:
                     raise CannotStart(
                         f"the history of {home.site} is on the server {name!r}, which"
                         " --history-servers does not name",
                         "name it there again",
                     )
             self.places.home_of[home.site] = home.server
-            self._hold_retention(home)
+            self._moves.hold_retention(home)
         await asyncio.gather(*(server.try_open() for server in self._servers.values()))
 
     async def close(self) -> None:
         """Let go of everything; what was appended is already safe."""
         for server in self._servers.values():
             await server.close()
-        await self._own.close()
+        if self._own is not None:
+            await self._own.close()
 
     async def run(self) -> None:
         """Open servers that come back, and move sites that are asked to move, until cancelled."""
@@ -151,23 +161,7 @@ class HistoryServers:
 
     async def move_sites(self) -> None:
         """Go on with each move that was asked for, once; what fails is tried again later."""
-        for home in await self._homes.list_homes():
-            if not home.moving_to and not home.erase_at:
-                continue
-            self._hold_retention(home)
-            try:
-                await SiteMove(self, self._homes, home).run()
-            except HubError as error:
-                _LOG.warning("the history of %s waits to be moved: %s", home.site, error)
-                with contextlib.suppress(HubError):
-                    await self._homes.report_progress(home._replace(problem=str(error)))
-
-    # ── of a move ──
-
-    def end_move(self, site: str) -> None:
-        """Let what is too old be dropped again."""
-        for store in self.places.open_stores():
-            store.transfer.hold_retention(site, held=False)
+        await self._moves.move_sites()
 
     # ── what `History` promises ──
 
@@ -177,8 +171,7 @@ class HistoryServers:
 
     async def wait_for_views(self) -> None:
         """Wait for the SQL views of all that was described so far, on servers that are there."""
-        opened = [server.opened for server in self._servers.values()]
-        stores = [self._own, *(store for store in opened if store is not None)]
+        stores = self.places.open_stores()
         await asyncio.gather(*(store.wait_for_views() for store in stores))
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
@@ -289,11 +282,18 @@ class HistoryServers:
             return await store.list_channels(site, without)
 
     async def measure_storage(self) -> Storage:
-        """See `History.measure_storage`; servers that are away are left out."""
-        found = [await self._own.measure_storage()]
+        """See `History.measure_storage`; servers that are away are left out.
+
+        Raises:
+            HistoryAway: none is there.
+
+        """
+        found = [] if self._own is None else [await self._own.measure_storage()]
         for server in self._servers.values():
             with contextlib.suppress(HistoryError):
                 found.append(await server.use_store().measure_storage())
+        if not found:
+            raise HistoryAway(self.trouble or "no server is there")
         return join_storage(found)
 
     @property
@@ -304,7 +304,7 @@ class HistoryServers:
     @property
     def trouble(self) -> str:
         """Why not all can be stored at present; empty while all is well."""
-        if self._own.trouble:
+        if self._own is not None and self._own.trouble:
             return self._own.trouble
         for name, server in self._servers.items():
             store = server.opened
@@ -317,7 +317,7 @@ class HistoryServers:
     @property
     def most_bytes(self) -> int:
         """See `History.most_bytes`; each server may take so many."""
-        return self._own.most_bytes * (1 + len(self._servers))
+        return self._limits.bytes * (len(self._servers) + (self._own is not None))
 
     def kept_us(self, site: str, address: str) -> int:
         """See `History.kept_us`."""
@@ -349,8 +349,3 @@ class HistoryServers:
         except (HistoryError, TimeoutError) as error:
             why = str(error) or "it stands still"
             raise HistoryAway(f"the server of the history of {site} is away: {why}") from error
-
-    def _hold_retention(self, home: HistoryHome) -> None:
-        if home.moving_to:
-            for store in self.places.open_stores():
-                store.transfer.hold_retention(home.site, held=True)

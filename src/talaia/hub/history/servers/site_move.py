@@ -20,7 +20,8 @@ from talaia.hub.history.writing.writer_jobs import Adopt, ArrivingChannel
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from talaia.hub.history.servers.history_servers import HistoryServers
+    from talaia.hub.history.servers.late_descriptions import LateDescriptions
+    from talaia.hub.history.servers.site_places import SitePlaces
     from talaia.hub.history.servers.site_transfer import (
         CopiedChannel,
         SiteChannel,
@@ -64,9 +65,15 @@ class _Left(NamedTuple):
 class SiteMove:
     """One move, from wherever the one before it ended."""
 
-    def __init__(self, servers: HistoryServers, homes: HistoryHomes, home: HistoryHome) -> None:
+    def __init__(
+        self,
+        places: SitePlaces,
+        descriptions: LateDescriptions,
+        homes: HistoryHomes,
+        home: HistoryHome,
+    ) -> None:
         """Do what ``home`` says."""
-        self._servers = servers
+        self._places, self._descriptions = places, descriptions
         self._homes = homes
         self._home = home
         # When its progress was written down last (s, of the loop).
@@ -89,21 +96,23 @@ class SiteMove:
             await self._copy_and_switch()
             if self._home.erase_at:
                 await self._erase_left()
-        self._servers.end_move(home.site)
+        # What is too old may be dropped again.
+        for store in self._places.open_stores():
+            store.transfer.hold_retention(home.site, held=False)
 
     async def _erase_left(self) -> None:
         home = self._home
         # Whoever began to read there before the change reads to the end.
-        await self._servers.places.wait_unread(home.site, home.erase_at)
-        await self._servers.places.store_named(home.erase_at).transfer.erase_site(home.site)
+        await self._places.wait_unread(home.site, home.erase_at)
+        await self._places.store_named(home.erase_at).transfer.erase_site(home.site)
         await self._homes.finish_erasing(home.site, home.erase_at)
         self._home = home._replace(erase_at="")
         _LOG.info("nothing of the history of %s is left at %s", home.site, home.erase_at)
 
     async def _copy_and_switch(self) -> None:
         home = self._home
-        source = self._servers.places.store_named(home.server)
-        target = self._servers.places.store_named(home.moving_to)
+        source = self._places.store_named(home.server)
+        target = self._places.store_named(home.moving_to)
         await self._begin_copy(target)
         try:
             for _ in range(_PASSES):
@@ -113,7 +122,7 @@ class SiteMove:
             await source.transfer.seal_site(home.site)
             await self._copy_left(source.transfer, target.transfer)
             await self._copy_recent(source.transfer, target.transfer)
-            async with self._servers.places.hold_writes(home.site):
+            async with self._places.hold_writes(home.site):
                 async with asyncio.timeout(_GATE_S):
                     await self._copy_rest(source.transfer, target)
                 await self._switch_home()
@@ -140,7 +149,7 @@ class SiteMove:
             )
         if {channel.move for channel in copied.values()} != {self._home.move}:
             await target.transfer.erase_site(site)
-        await self._servers.descriptions.describe_moved(site, target)
+        await self._descriptions.describe_moved(site, target)
 
     async def _copy_left(self, source: SiteTransfer, target: SiteTransfer) -> int:
         """Copy the blocks that are not there yet; give how many there were."""
@@ -222,7 +231,7 @@ class SiteMove:
         while await self._copy_left(source, target):
             pass
         await self._copy_recent(source, target)
-        await self._servers.descriptions.describe_moved(site, store)
+        await self._descriptions.describe_moved(site, store)
         await target.adopt_sensors(site, await source.read_sensors(site))
         await target.adopt_runs(site, await source.read_runs(site), await source.read_gaps(site))
 
@@ -234,7 +243,7 @@ class SiteMove:
             done = await self._ask_switched()
         if not done:
             raise HistoryError(f"the move of {home.site} was asked for otherwise meanwhile")
-        self._servers.places.home_of[home.site] = home.moving_to
+        self._places.home_of[home.site] = home.moving_to
         self._home = home._replace(
             server=home.moving_to, moving_to="", move="", erase_at=home.server
         )

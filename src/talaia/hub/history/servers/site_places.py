@@ -1,4 +1,7 @@
-"""Where each site is written and read now, and when it is not."""
+"""Where each site is written and read now, and when it is not.
+
+A hub that is the lead of a shard has that shard's servers alone: what is on another one is refused.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING
 
 from talaia.hub.history.errors import HistoryAway
+from talaia.hub.sharding.plan import MAIN
 from talaia.hub.store.history_servers.home_tables import OWN
 
 if TYPE_CHECKING:
@@ -31,13 +35,18 @@ class SitePlaces:
 
     def __init__(
         self,
-        own: HistoryStore,
+        own: HistoryStore | None,
         servers: Mapping[str, HistoryServer],
         named: HistoryServersFile,
         homes: HistoryHomes,
+        *,
+        shard: str | None = None,
     ) -> None:
-        """Have ``own``, the hub's own database, and ``servers``."""
-        self._own, self._servers = own, servers
+        """Have ``own``, the hub's own database, and ``servers``.
+
+        ``shard``: whose these are, of a hub that has no others; none: these are all.
+        """
+        self._own, self._servers, self._shard = own, servers, shard
         # Where new sites are, and where that is written down.
         self._named, self._homes = named, homes
         self.home_of: dict[str, str] = {}
@@ -57,25 +66,53 @@ class SitePlaces:
             HistoryAway: it is away.
 
         """
-        return self._own if name == OWN else self._servers[name].use_store()
+        if name == OWN and self._own is not None:
+            return self._own
+        if name not in self._servers:
+            shard = self._named.plan.shard_of_server(name)
+            raise HistoryAway(f"histories on {name!r} are of the shard {shard!r}", "ask its lead")
+        return self._servers[name].use_store()
+
+    def has_server(self, name: str) -> bool:
+        """Tell whether a server is one of these, there or away."""
+        return name in self._servers or (name == OWN and self._own is not None)
 
     def open_stores(self) -> list[HistoryStore]:
         """Give the histories of all that are there."""
-        opened = (server.opened for server in self._servers.values())
-        return [self._own, *(store for store in opened if store is not None)]
+        opened = (self._own, *(server.opened for server in self._servers.values()))
+        return [store for store in opened if store is not None]
 
     async def find_home(self, site: str) -> str:
-        """Give the server of a site; of a new one it is written down first."""
+        """Give the server of a site; of a new one it is written down first.
+
+        Raises:
+            HistoryAway: it is another shard's.
+            StoreDown: the accounts' database does not answer.
+
+        """
         home = self.home_of.get(site)
         if home is not None:
             return home
+        if self._own is None:
+            return await self._ask_home(site)
+        first = OWN
         # Of before there were others, or of a restored backup: it stays where it is.
-        known = self._own.transfer.has_site(site)
-        first = OWN if known else self._named.first_home(site)
-        if first != OWN:
-            # Before anything is written there.
+        if not self._own.transfer.has_site(site):
+            # What another shard is to have gets its row before it is led there.
+            without = self._named.shards if self._shard else ()
+            counts = Counter(self.home_of.values())
+            first = self._named.first_home(site, counts, without=without)
+        # Before anything is written there. Where sites are divided, one without a row may be given
+        # to another shard at any moment.
+        if first != OWN or self._named.shards:
             first = (await self._homes.add_home(site, first)).server
         return self.home_of.setdefault(site, first)
+
+    async def _ask_home(self, site: str) -> str:
+        found = await self._homes.find_home(site)
+        if found is None:
+            raise HistoryAway(f"{site} is of the shard {MAIN!r}", "ask its lead")
+        return self.home_of.setdefault(site, found.server)
 
     async def writing_store(self, site: str) -> HistoryStore:
         """Give where a site is written; nothing may be awaited until something is asked of it."""

@@ -10,7 +10,7 @@ from talaia.hub.store.sites.sightings import SightingsAsked
 from talaia.model.alarms.alarm import AlarmKind
 
 if TYPE_CHECKING:
-    from talaia.hub.live.sites import Sites
+    from talaia.hub.ports import DescribedSites
     from talaia.hub.store.alarms.notification_outbox import OutboxMessage, OutboxNotice
     from talaia.hub.store.sites.sightings import SightingStore
 
@@ -26,7 +26,7 @@ _MOST = 5
 class AlarmPictures:
     """Finds pictures of sightings: small ones, blurred at the gateway where a camera is blurred."""
 
-    def __init__(self, sites: Sites, store: SightingStore) -> None:
+    def __init__(self, sites: DescribedSites, store: SightingStore) -> None:
         """Read alarms from ``sites`` and pictures from ``store``."""
         self._sites = sites
         self._store = store

@@ -19,6 +19,7 @@ from talaia.wire.asset_uris import is_asset_name, parse_asset_uri
 from talaia.wire.frames import ASSET_KIND, MAX_ASSET, AssetRequest, FileProgress, asset_file_id
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from talaia.hub.auth.permissions import Grants
@@ -96,13 +97,21 @@ class RobotAssets:
         sites: Sites,
         taps: TapFanout,
         times: AssetTimes | None = None,
+        has_site: Callable[[str], bool] = lambda _site: True,
     ) -> None:
-        """Look in ``folder`` first; gather what comes in ``uploads``, and keep it in ``cache``."""
+        """Look in ``folder`` first; gather what comes in ``uploads``, and keep it in ``cache``.
+
+        Of what stands still there, only that of sites which ``has_site`` ends.
+        """
         self._folder, self.cache = folder, cache
         self._sites, self._taps = sites, taps
         self.times = times or AssetTimes()
         self._uploads = Uploads(
-            uploads, {ASSET_KIND: self._keep_file}, most_bytes=MAX_ASSET, share=_allow_share
+            uploads,
+            {ASSET_KIND: self._keep_file},
+            most_bytes=MAX_ASSET,
+            share=_allow_share,
+            has_site=has_site,
         )
         self._known: dict[str, _SiteAssets] = {}
         taps.on_message = self._hear_message

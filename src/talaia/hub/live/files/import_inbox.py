@@ -8,6 +8,7 @@ that is killed before that takes it again from the beginning, which stores nothi
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import logging
 import os
@@ -15,6 +16,7 @@ import time
 from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.hub.errors import StoreDown
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.import_file import (
     READY,
@@ -23,13 +25,14 @@ from talaia.hub.history.import_file import (
     read_parcel,
     remove_abandoned,
 )
+from talaia.hub.sharding.plan import WholeShard
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
     from talaia.hub.history.import_file import Head, ImportChunk
-    from talaia.hub.ports import History
+    from talaia.hub.ports import History, Shard
 
 __all__ = ["ANSWER", "BAD", "ImportInbox", "ImportResult", "answer_of"]
 
@@ -61,9 +64,20 @@ class ImportInbox:
     """The folder of parcels."""
 
     def __init__(
-        self, history: History, folder: Path, taken: Callable[[Head, ImportResult], Awaitable[None]]
+        self,
+        history: History,
+        folder: Path,
+        taken: Callable[[Head, ImportResult], Awaitable[None]],
+        *,
+        shard: Shard | None = None,
     ) -> None:
-        """Store into ``history``; ``taken`` is told of each parcel that is stored."""
+        """Store into ``history``; ``taken`` is told of each parcel that is stored.
+
+        What is not of ``shard`` another hub takes out of the same folder; none: all is taken.
+        """
+        self._shard: Shard = shard or WholeShard()
+        # Parcels that are for others; whose a site is does not change.
+        self._others: set[str] = set()
         self._history = history
         self._folder = folder
         self._taken = taken
@@ -75,8 +89,11 @@ class ImportInbox:
         await asyncio.to_thread(self._tidy_folder)
         while True:
             # Sorted, so that the order does not hang on the file system.
-            for path in sorted(self._folder.glob(f"*{READY}")):
-                await self._try_import(path)
+            found = sorted(self._folder.glob(f"*{READY}"))
+            self._others.intersection_update(path.name for path in found)
+            for path in found:
+                if path.name not in self._others:
+                    await self._try_import(path)
             await asyncio.sleep(_LOOK_S)
 
     async def import_file(self, path: Path) -> ImportResult:
@@ -125,20 +142,30 @@ class ImportInbox:
 
     async def _try_import(self, path: Path) -> None:
         try:
+            if not self._shard.is_whole and not await self._is_own(path):
+                self._others.add(path.name)
+                return
             await self.import_file(path)
         # Whoever put it there has taken it back.
         except FileNotFoundError:
             return
         except ParcelDamaged as error:
+            # Of one without a head nobody can tell whose it is.
+            if not self._shard.is_main and not await asyncio.to_thread(_has_head, path):
+                return
             _LOG.error("an import is set aside: %s", error)
             # Kept for people under another name, and not tried again.
             await asyncio.to_thread(path.rename, path.with_suffix(BAD))
-        except (HistoryError, OSError) as error:
+        except (HistoryError, StoreDown, OSError) as error:
             if not self._waits:
                 _LOG.warning("an import waits: %s", error)
             self._waits = True
         else:
             self._waits = False
+
+    async def _is_own(self, path: Path) -> bool:
+        head, _ = await asyncio.to_thread(read_parcel, path)
+        return await self._shard.look_up(head.site)
 
     def _answer(self, path: Path, taken: ImportResult) -> None:
         partial = path.with_suffix(ANSWER + ".tmp")
@@ -152,8 +179,18 @@ class ImportInbox:
         remove_abandoned(self._folder)
         # An answer that nobody has fetched: its reader was ended.
         for path in self._folder.glob(f"*{ANSWER}*"):
-            if time.time() - os.stat(path).st_mtime > _ANSWERS_KEPT_S:
-                path.unlink(missing_ok=True)
+            # Whoever waits for it, or another hub on this folder, may be quicker.
+            with contextlib.suppress(FileNotFoundError):
+                if time.time() - os.stat(path).st_mtime > _ANSWERS_KEPT_S:
+                    path.unlink()
+
+
+def _has_head(path: Path) -> bool:
+    try:
+        read_parcel(path)
+    except (ParcelDamaged, OSError):
+        return False
+    return True
 
 
 def answer_of(path: Path) -> ImportResult | None:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.store.sites.recordings import Recorded, RecordingState
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from talaia.wire.frames import FilePiece
@@ -197,13 +198,16 @@ class RecordingFiles:
         for path in (self.part_path(recorded), self._file_with(recorded, _ABOUT)):
             path.unlink(missing_ok=True)
 
-    def scan_folder(self) -> dict[tuple[str, str], Recorded]:
-        """Find all recordings, by site and id."""
+    def scan_folder(self, has_site: Callable[[str], bool]) -> dict[tuple[str, str], Recorded]:
+        """Find all recordings of sites that are looked after here, by site and id."""
         found = {}
         endings = {kind + state: kind for kind in (_MESSAGES, _FILM) for state in ("", _PART)}
         for path in sorted(self._folder.glob("*/*.m*")):
             site, name = path.parent.name, path.name.split(".", 1)[0]
             ending = path.name[len(name) :]
+            # What others have may go while this looks.
+            if not has_site(site):
+                continue
             if ending in endings and _ID.fullmatch(name) and _SITE.fullmatch(site):
                 described = self._describe_file(path, site, name, whole=ending == endings[ending])
                 # What stands beside it may say nothing, but the ending tells a film.

@@ -37,6 +37,7 @@ from talaia.wire.errors import PeerError
 from talaia.wire.frames import FileOffer, FilePiece, FileProgress, FilmOffer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from talaia.hub.files.ports import FileStore
@@ -61,11 +62,14 @@ class Recordings:
         audit: Audit,
         data: Path,
         most_bytes: int,
+        has_site: Callable[[str], bool] = lambda _site: True,
     ) -> None:
         """Keep whole files in ``store``; of a site's above ``most_bytes`` the oldest go (0: none).
 
-        What has not come whole is in ``data``.
+        What has not come whole is in ``data``, where files of sites may lie that others have:
+        ``has_site`` tells.
         """
+        self._has_site = has_site
         # One row for each recording; files are the truth, see `open`.
         self._rows = rows
         self._store = store
@@ -109,7 +113,7 @@ class Recordings:
 
         """
         rows = {(row.site, row.id): row for row in await self._rows.list_recordings()}
-        found = await asyncio.to_thread(self._files.scan_folder)
+        found = await asyncio.to_thread(self._files.scan_folder, self._has_site)
         for key, recorded in found.items():
             before = rows.get(key)
             # What lies in the folder counts, whatever its row says.

@@ -24,6 +24,7 @@ from talaia.hub.store.sites.recordings import RecordingState
 if TYPE_CHECKING:
     from talaia.hub.files.ports import FileStore, StoredFile
     from talaia.hub.live.files.recordings import Recordings
+    from talaia.hub.ports import Shard
     from talaia.hub.store.sites.recordings import Recorded, RecordingList
 
 __all__ = ["StoredRecordings"]
@@ -38,8 +39,9 @@ _MOST_ABOUT = 1024 * 1024
 class StoredRecordings:
     """See the module."""
 
-    def __init__(self, recordings: Recordings, rows: RecordingList) -> None:
-        """Look at the store of ``recordings``, and put right ``rows``."""
+    def __init__(self, recordings: Recordings, rows: RecordingList, shard: Shard) -> None:
+        """Look at the store of ``recordings``, and put right ``rows``, of sites of ``shard``."""
+        self._shard = shard
         self._store: FileStore = recordings.store
         self._turns = recordings.turns
         self._rows = rows
@@ -66,6 +68,9 @@ class StoredRecordings:
         async for stored in self._store.list_files(FOLDER):
             if (read := read_file_key(stored.key)) is not None:
                 found[read[0], read[1]] = stored
+        # Only now: whose a site is stands there before its first file does.
+        await self._shard.refresh()
+        found = {key: stored for key, stored in found.items() if self._shard.has_site(key[0])}
         rows = {(row.site, row.id): row for row in await self._rows.list_recordings()}
         # What is on its way is put into its row by who sends it.
         lost = [key for key in found if key not in rows or rows[key].state is RecordingState.FAILED]

@@ -68,11 +68,14 @@ class Uploads:
         *,
         most_bytes: int,
         share: Callable[[str, int], Awaitable[bool]],
+        has_site: Callable[[str], bool] = lambda _site: True,
     ) -> None:
         """Gather in ``folder``; a file of more than ``most_bytes`` is refused.
 
-        ``share`` tells whether a site may have so many bytes more of the disk.
+        ``share`` tells whether a site may have so many bytes more of the disk, and ``has_site``
+        whether it is looked after here: others may gather theirs in the same folder.
         """
+        self._has_site = has_site
         # One folder for each site; parts of files by the id of their offer.
         self._folder = folder
         # Who keeps a file that is whole, by its kind.
@@ -113,7 +116,7 @@ class Uploads:
     async def end_standing_uploads(self) -> None:
         """End uploads of any site that nobody has gone on with for long."""
         folders = await asyncio.to_thread(lambda: list(self._folder.glob("*/")))
-        for folder in folders:
+        for folder in filter(lambda folder: self._has_site(folder.name), folders):
             async with self._turns.wait_turn(folder.name):
                 await asyncio.to_thread(_forget_standing, folder)
 

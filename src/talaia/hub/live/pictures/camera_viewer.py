@@ -15,6 +15,8 @@ from talaia.wire.browser import (
     MEDIA_FROM_BROWSER,
     MEDIA_TO_BROWSER,
     BoxesRequest,
+    PagePing,
+    PagePong,
     PictureShown,
     RequestError,
     SessionEnded,
@@ -33,7 +35,7 @@ __all__ = ["Viewer"]
 
 # A page that does not read must not hold up the end (s).
 _FAREWELL_S = 0.3
-# Problems that wait; the oldest goes.
+# Problems and answers to pings that wait; the oldest goes.
 _MOST_NOTES = 8
 # Models of one camera whose word waits; a description has no more.
 _MOST_OVERLAYS = 8
@@ -110,7 +112,7 @@ class Viewer:
         # Monotonic (µs).
         self._now_us = now_us
         self._socket = socket
-        # Problems that wait to be told.
+        # Problems and answers that wait to be told.
         self._notes: deque[bytes | str] = deque(maxlen=_MOST_NOTES)
         # What is seen on the newest picture; only the newest counts.
         self._boxes: bytes | str | None = None
@@ -195,6 +197,9 @@ class Viewer:
                     self.flow.glance(still=message.still)
                 case BoxesRequest():
                     self._ask_boxes(on=message.on, overlays=message.overlays)
+                case PagePing():
+                    pong = PagePong(n=message.n, at_ms=message.at_ms, hub_us=self._now_us())
+                    self._notes.append(self._written(pong))
             self._wake.set()
             self._send_state()
 
@@ -228,7 +233,7 @@ class Viewer:
         elif isinstance(frame, bytes):
             await self._socket.send_bytes(frame)
 
-    def _written(self, message: RequestError | SessionEnded) -> bytes | str:
+    def _written(self, message: RequestError | SessionEnded | PagePong) -> bytes | str:
         if self.text:
             return MEDIA_TO_BROWSER.encode_text(message)
         return MEDIA_TO_BROWSER.encode(message)

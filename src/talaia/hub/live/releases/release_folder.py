@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KeptRelease", "ReleaseFolder"]
 
-_ENDING, _ROLLOUT = ".release", "rollout.json"
+_ENDING = ".release"
 _MOST_ROLLOUT = 8 << 20
 # Of a folder into which somebody has copied everything.
 _MOST_FILES = 200
@@ -52,9 +52,13 @@ class KeptRelease(NamedTuple):
 class ReleaseFolder:
     """See the module."""
 
-    def __init__(self, path: Path) -> None:
-        """Look into ``path``, which need not be there."""
+    def __init__(self, path: Path, suffix: str = "") -> None:
+        """Look into ``path``, which need not be there.
+
+        ``suffix`` is of the rollout's file: others may hand out what is in the same folder.
+        """
         self._path = path
+        self._rollout = f"rollout{suffix}.json"
         # Lists and digests of files by what they looked like: a file of 150 MB is read once.
         self._known: dict[tuple[str, int, int], KeptRelease] = {}
         self._digests: dict[tuple[str, int, int], str] = {}
@@ -129,7 +133,7 @@ class ReleaseFolder:
 
         """
         try:
-            with (self._path / _ROLLOUT).open("rb") as file:
+            with (self._path / self._rollout).open("rb") as file:
                 return msgspec.json.decode(file.read(_MOST_ROLLOUT), type=Rollout)
         except FileNotFoundError:
             return None
@@ -142,12 +146,12 @@ class ReleaseFolder:
 
         """
         self._path.mkdir(mode=0o700, exist_ok=True)
-        beside = self._path / f".{_ROLLOUT}"
+        beside = self._path / f".{self._rollout}"
         with beside.open("wb") as file:
             file.write(msgspec.json.encode(rollout))
             file.flush()
             os.fsync(file.fileno())
-        beside.replace(self._path / _ROLLOUT)
+        beside.replace(self._path / self._rollout)
 
 
 def _mark_of(path: Path) -> tuple[str, int, int]:

@@ -15,6 +15,7 @@ from talaia.hub.alarms.state_machine import Happened, Phase, State, What
 from talaia.hub.store.alarm_tables import alarm_definitions, alarm_history, alarm_states
 from talaia.hub.store.alarms.notification_outbox import add_notices
 from talaia.hub.store.audit import AuditEntry, append_entries
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.alarms.notification_outbox import About
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["AlarmChange", "AlarmStore", "MadeAlarm", "Past"]
 
@@ -57,14 +59,16 @@ class Past(NamedTuple):
 class AlarmStore:
     """Rows of alarms."""
 
-    def __init__(self, database: Database) -> None:
-        """Work on ``database``."""
+    def __init__(self, database: Database, own: OwnRows = every_row) -> None:
+        """Work on ``database``, where rows may be of sites that others judge: not ``own``."""
         self._database = database
+        self._own = own
 
     async def load_states(self) -> dict[tuple[str, str], State]:
-        """Give how every alarm stands, by site and alarm."""
+        """Give how every alarm of own sites stands, by site and alarm."""
+        query = select(alarm_states).where(*self._own(alarm_states.c.site))
         async with self._database.read() as connection:
-            rows = await connection.execute(select(alarm_states))
+            rows = await connection.execute(query)
             found = [dict(row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's own name
         return {
             (row.pop("site"), row.pop("alarm")): State(**{**row, "phase": Phase(row["phase"])})
@@ -136,9 +140,10 @@ class AlarmStore:
             ]
 
     async def list_made(self) -> list[MadeAlarm]:
-        """List the alarms that were made in the page."""
+        """List the alarms of own sites that were made in the page."""
+        query = select(alarm_definitions).where(*self._own(alarm_definitions.c.site))
         async with self._database.read() as connection:
-            rows = await connection.execute(select(alarm_definitions))
+            rows = await connection.execute(query)
             return [MadeAlarm(*row) for row in rows]
 
     async def save_made(self, made: MadeAlarm) -> None:

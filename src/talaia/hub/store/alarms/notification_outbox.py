@@ -63,6 +63,12 @@ class NoticeState(StrEnum):
     DROPPED = "dropped"
 
 
+# Of a notice with a problem: what went wrong, may have, or is tried again.
+_FAILED_STATES = tuple(
+    state.value for state in (NoticeState.FAILED, NoticeState.UNSURE, NoticeState.PENDING)
+)
+
+
 class About(NamedTuple):
     """What a notice says of the alarm itself."""
 
@@ -335,6 +341,20 @@ class NotificationOutbox:
             )
         return done.rowcount
 
+    async def trouble_mark(self) -> tuple[int, ...]:
+        """Give numbers, of which one is another whenever a message fails or goes out after all."""
+        column = notices.c
+        query = select(
+            func.count(),
+            func.max(column.id),
+            func.sum(column.tries),
+            func.max(column.due_us),
+            func.max(column.done_us),
+        ).where(column.problem != "", column.state.in_(_FAILED_STATES))
+        async with self._database.read() as connection:
+            row = (await connection.execute(query)).one()
+        return tuple(int(number or 0) for number in row)
+
     async def failed_alarms(self) -> dict[tuple[str, str], str]:
         """Name the alarms of whose latest episode a message failed, with the reason.
 
@@ -358,13 +378,7 @@ class NotificationOutbox:
                 )
                 .where(
                     notices.c.problem != "",
-                    notices.c.state.in_(
-                        [
-                            NoticeState.FAILED.value,
-                            NoticeState.UNSURE.value,
-                            NoticeState.PENDING.value,
-                        ]
-                    ),
+                    notices.c.state.in_(_FAILED_STATES),
                 )
                 .order_by(notices.c.id)
             )

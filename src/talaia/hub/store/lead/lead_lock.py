@@ -1,5 +1,7 @@
 """Which of several hubs on one database leads: the one whose session has the database's own lock.
 
+Where sites are divided, each shard has a lock, and a hub may have several.
+
 The lock and what it protects are in one place, so no split of a network gives two leads: a hub
 that the database does not hear cannot write to it, and one that it hears either has the lock or
 has not. Whoever takes it over first ends the sessions of the one before, and each connection of a
@@ -20,16 +22,19 @@ from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.dialects.lead_words import MAIN_SHARD
+from talaia.hub.store.lead.hub_plan import PlanCheck
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from sqlalchemy import Connection
     from sqlalchemy.engine.interfaces import DBAPIConnection
 
+    from talaia.hub.store.database_url import OnConnect
     from talaia.hub.store.dialects.lead_words import LeadWords
 
-__all__ = ["LeadLock"]
+__all__ = ["LeadLock", "mark_apart"]
 
 _LOG = logging.getLogger(__name__)
 # Between two looks of a hub that waits (s).
@@ -43,6 +48,26 @@ SILENT_S = 3.0
 # Sessions that were ended are waited for so long (s).
 _ENDING_S = 3.0
 _FAILURES = (SQLAlchemyError, OSError)
+
+
+def mark_apart(url: str) -> OnConnect:
+    """Give a listener for ``connect`` by which connections are no lead's: none ends with one.
+
+    Raises:
+        StoreError: the URL cannot be read.
+
+    """
+    words = parse_database_url(url).dialect.lead
+
+    def mark(connection: DBAPIConnection, _record: object) -> None:
+        if words is not None and words.divide(MAIN_SHARD).apart:
+            cursor = connection.cursor()
+            try:
+                cursor.execute(words.divide(MAIN_SHARD).apart)
+            finally:
+                cursor.close()
+
+    return mark
 
 
 class LeadLock:
@@ -61,10 +86,25 @@ class LeadLock:
         taken: Callable[[], None],
         lost: Callable[[], None],
         look_s: float = LOOK_S,
+        shard: str = MAIN_SHARD,
+        shards: Collection[str] = (),
+        may_take: Callable[[], bool] | None = None,
+        any_plan: bool = False,
     ) -> None:
         """Call ``taken`` when this hub has the lock, and ``lost`` when another one has had it.
 
-        Both are called in the thread, each once at most. ``look_s``: between two looks.
+        Both are called in the thread, each once at most.
+
+        Args:
+            url: of the accounts' database.
+            taken: see above.
+            lost: see above.
+            look_s: between two looks.
+            shard: whose lock it is.
+            shards: into which sites are divided, besides the main one; none: they are not.
+            may_take: asked in the thread at each look of a hub that has not led yet: while it says
+                no, nothing is tried; none: it always may.
+            any_plan: it is taken however hubs divide the sites, by a command that takes all.
 
         Raises:
             CannotStart: the database is no server.
@@ -78,7 +118,9 @@ class LeadLock:
                 "--cluster needs a database that several hubs can use",
                 "set TALAIA_DATABASE_URL to one of PostgreSQL or MariaDB",
             )
-        self._words: LeadWords = words
+        self._words: LeadWords = words.divide(shard) if shards else words
+        self._shard, self._plan = shard, PlanCheck(words, shard=shard, shards=shards)
+        self._may_take, self._any_plan = may_take, any_plan
         try:
             self._engine = create_engine(
                 reach.url,
@@ -103,6 +145,9 @@ class LeadLock:
         # Another hub had it when this one looked first: it is a take-over.
         self._waited = False
         self._waiting_looks = 0
+        # It may not take it yet, as ``may_take`` says; and the sites are divided as here, as far as
+        # was seen.
+        self._holds_back = self._fitted = False
         self._thread = threading.Thread(target=self._run, name="lead-lock", daemon=True)
 
     @property
@@ -154,7 +199,8 @@ class LeadLock:
             else:
                 self.answered_ms = round((time.monotonic() - began) * 1000, 2)
             self.tried.set()
-            pause_s = max(self._look_s, _LEADING_LOOK_S) if self.held else self._look_s
+            seldom = self.held or self._holds_back
+            pause_s = max(self._look_s, _LEADING_LOOK_S) if seldom else self._look_s
             if self._stopping.wait(pause_s):
                 break
         with contextlib.suppress(*_FAILURES):
@@ -164,12 +210,23 @@ class LeadLock:
     def _try_lock(self) -> None:
         if self._connection is None:
             self._connection = self._engine.connect()
+            if self._words.apart:
+                self._ask(self._words.apart)
         if self._session is not None:
             # The server sees by it that this hub lives.
             self._ask(self._words.own)
             return
+        if not self._led and not self._may_begin():
+            # Another may have it meanwhile, and be gone again.
+            self._waited = True
+            return
         if not self._ask(self._words.take):
             self._watch_holder()
+            return
+        # Looked at once more: now nobody else can write down another.
+        if not self._led and not self._fits_plan():
+            self._ask(self._words.give_back)
+            self._waited = True
             return
         session = int(self._ask(self._words.own) or 0)
         if self._waited:
@@ -184,6 +241,19 @@ class LeadLock:
             _LOG.warning("this hub leads on: the database is there again")
         else:
             self._give_up()
+
+    def _may_begin(self) -> bool:
+        self._holds_back = self._may_take is not None and not self._may_take()
+        if self._holds_back:
+            # How long the database takes is told all the same.
+            self._ask(self._words.own)
+            return False
+        # Once it did, it is looked at again with the lock: at each look it would cost as much.
+        return not self._plan.is_divided or self._fitted or self._fits_plan()
+
+    def _fits_plan(self) -> bool:
+        self._fitted = self._any_plan or self._plan.fits(self._ask)
+        return self._fitted
 
     def _watch_holder(self) -> None:
         self._waited = True
@@ -214,12 +284,13 @@ class LeadLock:
             self._stopping.wait(0.02)
 
     def _ask_epoch(self) -> int:
-        return int(self._ask("SELECT epoch FROM hub_lead") or 0)
+        words = "SELECT epoch FROM hub_lead WHERE shard = :shard"
+        return int(self._ask(words, shard=self._shard) or 0)
 
-    def _ask(self, words: str, session: int | None = None) -> Any:  # noqa: ANN401 - a driver's
+    def _ask(self, words: str, session: int | None = None, **more: str) -> Any:  # noqa: ANN401 - a driver's
         if self._connection is None:
             return None
-        asked = {} if session is None else {"session": session}
+        asked = more if session is None else {"session": session}
         result = self._connection.execute(text(words), asked)
         return result.scalar() if result.returns_rows else None
 

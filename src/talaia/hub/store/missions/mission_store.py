@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import delete, func, insert, select, update
 
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.mission_tables import mission_runs, missions
 from talaia.hub.store.safe_text import safe_text
 from talaia.hub.store.tables import users
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
     from talaia.model.missions.mission import Mission
 
 __all__ = ["MOST_MISSIONS", "KeptMission", "MissionStore", "RunRecord", "StepRecord"]
@@ -89,9 +91,13 @@ class RunRecord:
 class MissionStore:
     """Rows of missions and of runs."""
 
-    def __init__(self, database: Database, clock: Clock) -> None:
-        """Work on ``database``; ``clock`` stamps what is saved."""
+    def __init__(self, database: Database, clock: Clock, own: OwnRows = every_row) -> None:
+        """Work on ``database``; ``clock`` stamps what is saved.
+
+        What is due, or was going on, is only of ``own`` sites: others do theirs.
+        """
         self._database = database
+        self._own = own
         self._clock = clock
         # When the next is due (µs, UTC; 0: never; None: not known), so that the database is not
         # asked each second. Whatever writes a due time forgets it, and all of that is below.
@@ -146,12 +152,13 @@ class MissionStore:
         return bool(gone.rowcount)
 
     async def due_missions(self, now_us: int) -> list[KeptMission]:
-        """List those whose schedule is due."""
+        """List those of own sites whose schedule is due."""
         known, writes = self._next_due_us, self._due_writes
         if known is not None and (known == 0 or now_us < known):
             return []
-        query = _select_missions().where(missions.c.due_us > 0, missions.c.due_us <= now_us)
-        first = select(func.min(missions.c.due_us)).where(missions.c.due_us > 0)
+        own = self._own(missions.c.site)
+        query = _select_missions().where(missions.c.due_us > 0, missions.c.due_us <= now_us, *own)
+        first = select(func.min(missions.c.due_us)).where(missions.c.due_us > 0, *own)
         async with self._database.read() as connection:
             due = [_mission_of(row) for row in await connection.execute(query)]
             next_us = int((await connection.execute(first)).scalar() or 0)
@@ -218,8 +225,10 @@ class MissionStore:
             return [_run_of(row) for row in await connection.execute(query)]
 
     async def unfinished_runs(self) -> list[RunRecord]:
-        """List those that were going on when the hub ended."""
-        query = select(mission_runs).where(mission_runs.c.state.in_(GOING_ON))
+        """List those of own sites that were going on when the hub ended."""
+        query = select(mission_runs).where(
+            mission_runs.c.state.in_(GOING_ON), *self._own(mission_runs.c.site)
+        )
         async with self._database.read() as connection:
             return [_run_of(row) for row in await connection.execute(query)]
 

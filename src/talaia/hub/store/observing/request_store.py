@@ -11,6 +11,7 @@ from sqlalchemy import delete, select, update
 
 from talaia.hub.observing.changes import ImpossibleChange, StateChange, change_request
 from talaia.hub.observing.quotas import TimeAccount
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.observing.proposals import read_proposals, time_accounts
 from talaia.hub.store.observing.request_notices import add_request_notices
 from talaia.hub.store.observing.request_queries import (
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["RequestStore"]
 
@@ -49,9 +51,10 @@ __all__ = ["RequestStore"]
 class RequestStore:
     """Rows of groups and requests."""
 
-    def __init__(self, database: Database, clock: Clock) -> None:
-        """Work on ``database``; ``clock`` stamps what happens."""
+    def __init__(self, database: Database, clock: Clock, own: OwnRows = every_row) -> None:
+        """Work on ``database``; ``clock`` stamps what happens. Only ``own`` sites' ones end."""
         self._database = database
+        self._own = own
         self._clock = clock
 
     async def add_group(
@@ -271,12 +274,10 @@ class RequestStore:
         return ended
 
     async def expire_requests(self, limit: int = 500) -> list[EndedRequest]:
-        """End those pending whose last window is over, up to ``limit``; give them."""
-        now_us, ended = self._now_us(), []
-        over = (
-            observing_requests.c.state == RequestState.PENDING.value,
-            observing_requests.c.end_us < now_us,
-        )
+        """End those of own sites whose last window is over, up to ``limit``; give them."""
+        now_us, ended, column = self._now_us(), [], observing_requests.c
+        is_over = (column.state == RequestState.PENDING.value, column.end_us < now_us)
+        over = (*is_over, *self._own(column.site))
         ids = select(observing_requests.c.id, request_groups.c.user_id).join(
             request_groups, request_groups.c.id == observing_requests.c.group_id
         )

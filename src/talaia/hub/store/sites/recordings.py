@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import delete, insert, select, update
 
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.tables import recordings
 
 if TYPE_CHECKING:
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["Recorded", "RecordingList", "RecordingState"]
 
@@ -57,9 +59,10 @@ class Recorded(NamedTuple):
 class RecordingList:
     """Rows of recordings."""
 
-    def __init__(self, database: Database) -> None:
-        """Work on ``database``."""
+    def __init__(self, database: Database, own: OwnRows = every_row) -> None:
+        """Work on ``database``; of all sites, only ``own`` ones are listed."""
         self._database = database
+        self._own = own
 
     async def recordings_of(self, site: str) -> list[Recorded]:
         """List a site's recordings, the newest first."""
@@ -72,8 +75,8 @@ class RecordingList:
         )
 
     async def list_recordings(self) -> list[Recorded]:
-        """List every recording, the newest first."""
-        return await self._select_recordings()
+        """List every recording of own sites, the newest first."""
+        return await self._select_recordings(*self._own(_table.c.site))
 
     async def find_recording(self, site: str, name: str) -> Recorded | None:
         """Find one."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import and_, delete, func, insert, or_, select, update
 
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.robot_log_tables import robot_log, robot_log_runs
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["KeptLogLine", "LogFilter", "LogPage", "LogPlace", "RobotLogStore", "StoredLine"]
 
@@ -90,13 +92,19 @@ class RobotLogStore:
     """Rows of lines."""
 
     def __init__(
-        self, database: Database, clock: Clock, *, most_searched: int = MOST_SEARCHED
+        self,
+        database: Database,
+        clock: Clock,
+        *,
+        most_searched: int = MOST_SEARCHED,
+        own: OwnRows = every_row,
     ) -> None:
         """Work on ``database``; ``clock`` says what is old.
 
-        A search looks through ``most_searched`` lines at a time.
+        A search looks through ``most_searched`` lines at a time. Only lines of ``own`` sites
+        grow old here.
         """
-        self._database, self._clock = database, clock
+        self._database, self._clock, self._own = database, clock, own
         self._most_searched = most_searched
 
     async def store_lines(
@@ -170,14 +178,16 @@ class RobotLogStore:
         return list(await self._database.fetch_scalars(query))
 
     async def delete_old(self, before_us: int, most: int) -> int:
-        """Forget what was said before a time, and what is more than ``most`` of a site.
+        """Forget what was said before a time, and what is more than ``most`` of an own site.
 
         Gives how many lines went.
         """
         column, gone = robot_log.c, 0
         async with self._database.read() as connection:
             counted = await connection.execute(
-                select(column.site, func.count()).group_by(column.site)
+                select(column.site, func.count())
+                .where(*self._own(column.site))
+                .group_by(column.site)
             )
             counts = [(str(site), int(count)) for site, count in counted.all()]
         for site, count in counts:
@@ -188,7 +198,9 @@ class RobotLogStore:
         known_us = self._clock.wall_ns() // 1000 - _RUN_DAYS * _DAY_US
         async with self._database.write() as connection:
             await connection.execute(
-                delete(robot_log_runs).where(robot_log_runs.c.changed_us < known_us)
+                delete(robot_log_runs).where(
+                    robot_log_runs.c.changed_us < known_us, *self._own(robot_log_runs.c.site)
+                )
             )
         return gone
 

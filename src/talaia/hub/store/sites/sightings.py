@@ -15,6 +15,7 @@ import msgspec
 from sqlalchemy import and_, delete, exists, func, insert, or_, select, update
 
 from talaia.hub.store.audit import append_entries
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.tables import seen_sightings, sightings
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.audit import AuditEntry
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
 
 __all__ = ["Kept", "Put", "Sighted", "SightingStore", "SightingsAsked"]
 
@@ -121,9 +123,10 @@ class SightingsAsked:
 class SightingStore:
     """Rows of sightings."""
 
-    def __init__(self, database: Database) -> None:
-        """Work on ``database``."""
+    def __init__(self, database: Database, own: OwnRows = every_row) -> None:
+        """Work on ``database``; of all sites, only ``own`` ones are looked after."""
         self._database = database
+        self._own = own
 
     async def save_sightings(
         self, told: Sequence[Sighted], note: Callable[[Sighted], AuditEntry | None]
@@ -171,9 +174,10 @@ class SightingStore:
         return written
 
     async def list_open(self) -> list[Kept]:
-        """List all that are in sight."""
+        """List all of own sites that are in sight."""
+        query = select(*_COLUMNS).where(_table.c.ended_us == 0, *self._own(_table.c.site))
         async with self._database.read() as connection:
-            rows = await connection.execute(select(*_COLUMNS).where(_table.c.ended_us == 0))
+            rows = await connection.execute(query)
             return [_row_to_sighting(row) for row in rows]
 
     async def find_sightings(
@@ -259,18 +263,20 @@ class SightingStore:
         return None if row is None else (row.camera, bytes(row.picture or b""))
 
     async def delete_old(self, before_us: int, most: int) -> int:
-        """Forget what was told before a time, and what is more than ``most`` of a site.
+        """Forget what was told before a time, and what is more than ``most`` of an own site.
 
         What is in sight stays. Gives how many went.
         """
         column, gone = _table.c, 0
         async with self._database.write() as connection:
-            over = column.ended_us != 0
-            done = await connection.execute(delete(_table).where(over, column.told_us < before_us))
+            over, own = column.ended_us != 0, self._own(column.site)
+            done = await connection.execute(
+                delete(_table).where(over, column.told_us < before_us, *own)
+            )
             gone += done.rowcount
             # Of each site by itself, so that a busy one does not push out what others have seen.
             counted = await connection.execute(
-                select(column.site, func.count()).group_by(column.site)
+                select(column.site, func.count()).where(*own).group_by(column.site)
             )
             for site, count in counted.all():
                 if count <= most:

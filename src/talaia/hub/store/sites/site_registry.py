@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sqlalchemy import func, insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
+from talaia.hub.store.history_servers.own_rows import every_row
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
 from talaia.hub.store.sites.shared_lookup import SharedLookup
 from talaia.hub.store.tables import gateways, sites
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.own_rows import OwnRows
     from talaia.wire.gateway_proof import ResumeToken
 
 # Keys in one query; more would be more parameters than some engines take.
@@ -136,12 +138,14 @@ class SiteRegistry:
             )
             return rows.scalar()
 
-    async def list_gateways(self) -> list[KnownGateway]:
-        """List every gateway that has ever had a key, the newest of each site first."""
+    async def list_gateways(self, own: OwnRows = every_row) -> list[KnownGateway]:
+        """List every gateway of ``own`` sites that ever had a key, the newest of each first."""
         columns = (gateways.c[name] for name in KnownGateway._fields)
         async with self._database.read() as connection:
             rows = await connection.execute(
-                select(*columns).order_by(gateways.c.site, gateways.c.id.desc())
+                select(*columns)
+                .where(*own(gateways.c.site))
+                .order_by(gateways.c.site, gateways.c.id.desc())
             )
             return [self._with_presence(KnownGateway(*row)) for row in rows]
 

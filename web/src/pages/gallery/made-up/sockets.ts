@@ -168,8 +168,10 @@ async function drawYard(): Promise<Uint8Array> {
 class MadeMediaSocket extends MadeSocket {
   private seq = 0;
 
-  send(): void {
+  send(bytes: Uint8Array): void {
     // What the page has shown does not matter here.
+    const message = decoder.decode(bytes) as { readonly t: string; readonly n?: number; readonly at_ms?: number };
+    if (message.t === "ping") this.speak({ t: "pong", n: message.n, at_ms: message.at_ms, hub_us: Math.round(performance.now() * 1000) });
   }
 
   protected begin(): void {

@@ -1,0 +1,45 @@
+"""Follows which messages about alarms could not be delivered, where another hub delivers them."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.hub.errors import StoreDown
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
+
+__all__ = ["follow_troubles"]
+
+_LOG = logging.getLogger(__name__)
+# Between two looks (s).
+_LOOK_S = 1.0
+
+
+async def follow_troubles(
+    outbox: NotificationOutbox,
+    refresh: Callable[[], Awaitable[None]],
+    *,
+    every_s: float = _LOOK_S,
+) -> None:
+    """Call ``refresh`` whenever something has changed in ``outbox``, until cancelled."""
+    known: tuple[int, ...] = ()
+    failing = False
+    while True:
+        await asyncio.sleep(every_s)
+        try:
+            mark = await outbox.trouble_mark()
+            if mark != known:
+                await refresh()
+            known = mark
+        except StoreDown as error:
+            # Once, and not at each look.
+            if not failing:
+                _LOG.warning("which messages are not delivered is not known now: %s", error)
+            failing = True
+        else:
+            failing = False

@@ -1,0 +1,177 @@
+"""Which shard a request is for: every hub asks the accounts' database itself, whoever leads."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import func, select
+
+from talaia.hub.auth.tokens import hash_token
+from talaia.hub.sharding.plan import MAIN
+from talaia.hub.store.history_servers.home_tables import history_homes
+from talaia.hub.store.sites.shared_lookup import SharedLookup
+from talaia.hub.store.tables import gateways, sites
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping, Sequence
+
+    from sqlalchemy import ColumnElement
+
+    from talaia.hub.sharding.plan import ShardPlan
+    from talaia.hub.store.database import Database
+    from talaia.hub.store.history_servers.history_homes import HistoryHomes
+
+__all__ = ["ShardDirectory"]
+
+# That a site has no place yet holds so long (s): it may get one at any hub.
+_UNPLACED_S = 1.0
+_MOST_UNPLACED = 1_000
+_MOST_KEYS = 10_000
+# Names in one query; more would be more parameters than some engines take.
+_AT_ONCE = 500
+
+
+class ShardDirectory:
+    """Tells the shard of a site; what it has found once holds, for no site changes its shard.
+
+    It reads by connections of its own, which need no lead.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        homes: HistoryHomes,
+        plan: ShardPlan,
+        first_home: Callable[[str, Mapping[str, int]], str],
+    ) -> None:
+        """Ask ``database``; ``first_home`` chooses the server of a new site by what each has."""
+        self._database = database
+        self._homes = homes
+        self._plan = plan
+        self._first_home = first_home
+        self._shards: dict[str, str] = {}
+        # By site: when it was without a place (monotonic, s).
+        self._unplaced: dict[str, float] = {}
+        # Gateways of thousands of sites may come at once.
+        self._asking = SharedLookup(self._fetch_servers)
+        self._stored = SharedLookup(self._fetch_stored)
+        self._keyed = SharedLookup(self._fetch_keyed)
+        # By hash: whose key it is, of gateways that say their key.
+        self._sites_of_keys: dict[str, str] = {}
+
+    def known_shard(self, site: str) -> str | None:
+        """Give the shard of a site that was asked about before; None: it has to be looked up."""
+        shard = self._shards.get(site)
+        if shard is None and time.monotonic() - self._unplaced.get(site, -1e9) < _UNPLACED_S:
+            return MAIN
+        return shard
+
+    async def find_shard(self, site: str) -> str:
+        """Give the shard of a site; the main one, while it has no place of its own.
+
+        Raises:
+            StoreDown: the database does not answer, and the site was not asked about before.
+
+        """
+        shard = self.known_shard(site)
+        if shard is not None:
+            return shard
+        server = await self._asking.look_up(site)
+        if server is not None:
+            shard = self._shards[site] = self._plan.shard_of_server(server)
+            self._unplaced.pop(site, None)
+            return shard
+        if len(self._unplaced) >= _MOST_UNPLACED:
+            self._unplaced.clear()
+        self._unplaced[site] = time.monotonic()
+        return MAIN
+
+    async def place_site(self, site: str) -> str:
+        """Give the shard of a site whose gateway comes; one that is new gets its place by this.
+
+        Raises:
+            StoreDown: the database does not answer, and the site was not asked about before.
+
+        """
+        shard = self._shards.get(site)
+        if shard is not None:
+            return shard
+        # Not by what is remembered of a site without a place: it may have one by now.
+        self._unplaced.pop(site, None)
+        shard = await self.find_shard(site)
+        if site in self._shards:
+            return shard
+        if await self._stored.look_up(site):
+            # Of before sites were divided: its history is in the main database, and stays there.
+            self._shards[site] = MAIN
+            return MAIN
+        if not await self._keyed.look_up(site):
+            return MAIN
+        server = self._first_home(site, await self._count_sites())
+        # One of the main shard, too, or another hub might place it elsewhere meanwhile. Another hub
+        # may have been quicker: what stands then counts.
+        home = await self._homes.add_home(site, server)
+        self._unplaced.pop(site, None)
+        shard = self._shards[site] = self._plan.shard_of_server(home.server)
+        return shard
+
+    async def find_site_of_key(self, key: str) -> str | None:
+        """Give the site of a gateway that says its key; None: there is no such key.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        hashed = hash_token(key)
+        known = self._sites_of_keys.get(hashed)
+        if known is not None:
+            return known
+        # Void ones, too: they are sent away where the site is.
+        query = select(gateways.c.site).where(gateways.c.key_hash == hashed)
+        found = await self._database.fetch_scalars(query)
+        if not found:
+            return None
+        if len(self._sites_of_keys) >= _MOST_KEYS:
+            self._sites_of_keys.clear()
+        site = self._sites_of_keys[hashed] = str(found[0])
+        return site
+
+    async def find_site_of_gateway(self, number: int) -> str | None:
+        """Give the site of a gateway by its number; None: there is none.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        query = select(gateways.c.site).where(gateways.c.id == number)
+        found = await self._database.fetch_scalars(query)
+        return str(found[0]) if found else None
+
+    async def _count_sites(self) -> dict[str, int]:
+        query = select(history_homes.c.server, func.count()).group_by(history_homes.c.server)
+        async with self._database.read() as connection:
+            rows = (await connection.execute(query)).all()
+        return {row[0]: row[1] for row in rows}
+
+    async def _fetch_servers(self, names: Collection[str]) -> dict[str, str]:
+        rows = await self._fetch_rows((history_homes.c.site, history_homes.c.server), names)
+        return {row.site: row.server for row in rows}
+
+    async def _fetch_stored(self, names: Collection[str]) -> dict[str, bool]:
+        return {row.site: True for row in await self._fetch_rows((sites.c.site,), names)}
+
+    async def _fetch_keyed(self, names: Collection[str]) -> dict[str, bool]:
+        columns = (gateways.c.site, gateways.c.revoked_us)
+        return {row.site: True for row in await self._fetch_rows(columns, names) if not row[1]}
+
+    async def _fetch_rows(
+        self, columns: Sequence[ColumnElement[Any]], names: Collection[str]
+    ) -> list[Any]:
+        """Give rows of some sites; the first column is the site's name."""
+        asked, found = list(names), list[Any]()
+        async with self._database.read() as connection:
+            for first in range(0, len(asked), _AT_ONCE):
+                some = select(*columns).where(columns[0].in_(asked[first : first + _AT_ONCE]))
+                found += (await connection.execute(some)).all()
+        return found
