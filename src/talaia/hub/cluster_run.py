@@ -68,6 +68,8 @@ class ClusterHub:
         self._clock = clock
         self._began_ns = clock.monotonic_ns()
         self._leaving = False
+        # Links of gateways and other sockets that came here, whoever answers them.
+        self._gateways = self._sockets = 0
         # How many of its seats have the data folder.
         self._folder_users = 0
         self._folder = contextlib.ExitStack()
@@ -140,7 +142,8 @@ class ClusterHub:
         elif scope["path"] in {"/api/health", "/api/ready"} or self._gives_asset(scope):
             await self._own(scope, receive, send)
         else:
-            await self._led_on(scope, receive, send)
+            with self._counted(scope):
+                await self._led_on(scope, receive, send)
 
     async def _answer_own(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what needs no lead: whether it is well, and assets."""
@@ -173,9 +176,20 @@ class ClusterHub:
 
     def _describe_process(self) -> tuple[int, int, tuple[str, ...]]:
         """Count all gateways and other sockets that came here; name the shards led here."""
-        counts = [seat.count_sockets() for seat in self.seats.values()]
         led = tuple(name for name, seat in self.seats.items() if seat.leading is not None)
-        return sum(count[0] for count in counts), sum(count[1] for count in counts), led
+        return self._gateways, self._sockets, led
+
+    @contextlib.contextmanager
+    def _counted(self, scope: Scope) -> Iterator[None]:
+        gateway = scope["path"] == "/gateway/link"
+        socket = scope["type"] == "websocket" and not gateway
+        self._gateways += gateway
+        self._sockets += socket
+        try:
+            yield
+        finally:
+            self._gateways -= gateway
+            self._sockets -= socket
 
     # ── its life ──
 
