@@ -95,7 +95,8 @@ class ClusterHub:
             from talaia.hub.sharding.directory import ShardDirectory
             from talaia.hub.sharding.router import ShardRouter
 
-            self._looked_up = Database(settings.url, on_connect=mark_apart(settings.url))
+            apart = mark_apart(settings.url)
+            self._looked_up = Database(settings.url, on_connect=apart, shares_turn=True)
             homes = HistoryHomes(self._looked_up)
             directory = ShardDirectory(self._looked_up, homes, plan, named.first_home)
             self._led_on = ShardRouter(self.seats, directory)
