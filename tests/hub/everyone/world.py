@@ -163,7 +163,7 @@ class World:
         """The hub that clients come to unless it is said otherwise."""
         return self.hub
 
-    def hub_of(self, site: str):  # noqa: ARG002 - one has them all
+    def hub_of(self, site: str):
         """Give the hub that has a site."""
         return self.hub.hub
 
