@@ -219,7 +219,11 @@ class ShardSeat:
 
     def _expects_lead(self) -> bool:
         """Tell whether a hub may lead soon, and be heard here."""
-        return self.member.connected and not (self._leaving or self._over)
+        if self._leaving or self._over or not self.member.connected:
+            return False
+        # Lists of all sites ask every shard: for one that nobody leads they must not wait each
+        # time. Without the main one there is nothing that could be answered instead.
+        return self.shard == MAIN or self.taken.is_set() or self.member.led_lately
 
     # ── its life ──
 
