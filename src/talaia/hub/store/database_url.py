@@ -37,7 +37,7 @@ _EXAMPLE = (
 def say_at_connect(words: str) -> OnConnect:
     """Give a listener for ``connect`` that says ``words`` to the server; none of no words."""
 
-    def say(connection: DBAPIConnection, _record: object) -> None:
+    def say_words(connection: DBAPIConnection, _record: object) -> None:
         if not words:
             return
         cursor = connection.cursor()
@@ -48,7 +48,7 @@ def say_at_connect(words: str) -> OnConnect:
         # What is set within a transaction would be undone with it.
         connection.commit()
 
-    return say
+    return say_words
 
 
 class Reach(NamedTuple):
