@@ -98,6 +98,8 @@ class FakeHub:
         # What each dial said of who it is, with its path.
         self.said: list[tuple[str, str]] = []
         self._nonces: set[str] = set()
+        # So many of its numbers it does not know again: another hub answers, as in a take-over.
+        self.forgets = 0
         # Lets gateways wait; the test says when their turn has come.
         self.holds = False
         # Handed down with the welcome.
@@ -201,7 +203,10 @@ class FakeHub:
             self._nonces.remove(proof.nonce)
             return None
         nonce = f"n{self.requests}"
-        self._nonces.add(nonce)
+        if self.forgets:
+            self.forgets -= 1
+        else:
+            self._nonces.add(nonce)
         answer = socket.respond(HTTPStatus.UNAUTHORIZED, "who are you?\n")
         answer.headers["WWW-Authenticate"] = challenge_words(nonce)
         return answer

@@ -374,10 +374,10 @@ class RunningHub:
         text = "form=json" in more
         return self._keep(Peer(connection, TOPIC_FROM_BROWSER, TOPIC_TO_BROWSER, text=text))
 
-    async def gateway(self, *, key: str = "") -> Gateway:
-        """Open a gateway's link; it has not said hello yet."""
+    async def gateway(self, *, key: str = "", at=None) -> Gateway:
+        """Open a gateway's link, here or ``at`` another hub; it has not said hello yet."""
         headers = {"Authorization": f"Bearer {key or self.keys['agv']}"}
-        connection = await self.dial("/gateway/link", headers)
+        connection = await self.dial("/gateway/link", headers, at=at)
         return self._keep(Gateway(connection, LINK_FROM_GATEWAY, LINK_FROM_HUB))
 
     async def proof(self, path: str, resume: str = "", *, key: str = "") -> dict[str, str]:

@@ -146,6 +146,7 @@ async def drive(page, gateway, site: str) -> None:
 
 
 @pytest.mark.timeout(600)
+@pytest.mark.parametrize("urls", ["postgresql"], indirect=True)
 async def test_a_hub_that_is_alone_leads_every_shard_and_one_that_comes_is_told_of(
     tmp_path, urls
 ) -> None:

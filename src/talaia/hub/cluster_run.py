@@ -68,6 +68,8 @@ class ClusterHub:
         self._clock = clock
         self._began_ns = clock.monotonic_ns()
         self._leaving = False
+        # Links of gateways and other sockets that came here, whoever answers them.
+        self._gateways = self._sockets = 0
         # How many of its seats have the data folder.
         self._folder_users = 0
         self._folder = contextlib.ExitStack()
@@ -93,7 +95,8 @@ class ClusterHub:
             from talaia.hub.sharding.directory import ShardDirectory
             from talaia.hub.sharding.router import ShardRouter
 
-            self._looked_up = Database(settings.url, on_connect=mark_apart(settings.url))
+            apart = mark_apart(settings.url)
+            self._looked_up = Database(settings.url, on_connect=apart, shares_turn=True)
             homes = HistoryHomes(self._looked_up)
             directory = ShardDirectory(self._looked_up, homes, plan, named.first_home)
             self._led_on = ShardRouter(self.seats, directory)
@@ -140,7 +143,8 @@ class ClusterHub:
         elif scope["path"] in {"/api/health", "/api/ready"} or self._gives_asset(scope):
             await self._own(scope, receive, send)
         else:
-            await self._led_on(scope, receive, send)
+            with self._counted(scope):
+                await self._led_on(scope, receive, send)
 
     async def _answer_own(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what needs no lead: whether it is well, and assets."""
@@ -173,9 +177,20 @@ class ClusterHub:
 
     def _describe_process(self) -> tuple[int, int, tuple[str, ...]]:
         """Count all gateways and other sockets that came here; name the shards led here."""
-        counts = [seat.count_sockets() for seat in self.seats.values()]
         led = tuple(name for name, seat in self.seats.items() if seat.leading is not None)
-        return sum(count[0] for count in counts), sum(count[1] for count in counts), led
+        return self._gateways, self._sockets, led
+
+    @contextlib.contextmanager
+    def _counted(self, scope: Scope) -> Iterator[None]:
+        gateway = scope["path"] == "/gateway/link"
+        socket = scope["type"] == "websocket" and not gateway
+        self._gateways += gateway
+        self._sockets += socket
+        try:
+            yield
+        finally:
+            self._gateways -= gateway
+            self._sockets -= socket
 
     # ── its life ──
 

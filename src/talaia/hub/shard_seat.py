@@ -27,7 +27,7 @@ from talaia.hub.store.lead.lead_claim import claim_lead
 from talaia.hub.store.lead.lead_lock import LOOK_S, LeadLock
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterable, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterable
 
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from starlette.responses import Response
@@ -138,8 +138,6 @@ class ShardSeat:
         self._epoch = 0
         # Since when no hub has led this shard, as far as is heard (monotonic, s).
         self._vacant_s = time.monotonic()
-        # Sockets that came here while this hub leads, by path.
-        self._gateways = self._sockets = 0
 
     @property
     def leading(self) -> Hub | None:
@@ -183,11 +181,6 @@ class ShardSeat:
         """Give how the others stand, and when each was heard last."""
         return list(self.member.peers)
 
-    def count_sockets(self) -> tuple[int, int]:
-        """Count links of gateways, and all other sockets, that came here for this shard."""
-        through, sockets = self.member.entrance.count_open()
-        return self._gateways + through, self._sockets + sockets
-
     # ── serving ──
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -201,8 +194,7 @@ class ShardSeat:
                 break
             hub = self._leading
             if hub is not None:
-                with self._counted(scope):
-                    await hub.asgi(scope, opening.receive, send)
+                await hub.asgi(scope, opening.receive, send)
                 return
             try:
                 await self.member.entrance.serve_request(scope, opening.receive, send)
@@ -227,19 +219,11 @@ class ShardSeat:
 
     def _expects_lead(self) -> bool:
         """Tell whether a hub may lead soon, and be heard here."""
-        return self.member.connected and not (self._leaving or self._over)
-
-    @contextlib.contextmanager
-    def _counted(self, scope: Scope) -> Iterator[None]:
-        gateway = scope["path"] == "/gateway/link"
-        socket = scope["type"] == "websocket" and not gateway
-        self._gateways += gateway
-        self._sockets += socket
-        try:
-            yield
-        finally:
-            self._gateways -= gateway
-            self._sockets -= socket
+        if self._leaving or self._over or not self.member.connected:
+            return False
+        # Lists of all sites ask every shard: for one that nobody leads they must not wait each
+        # time. Without the main one there is nothing that could be answered instead.
+        return self.shard == MAIN or self.taken.is_set() or self.member.led_lately
 
     # ── its life ──
 

@@ -57,6 +57,17 @@ async def test_the_key_is_proved_on_each_connection_and_never_said(tmp_path: Pat
         assert len({read_proof(said).nonce for _, said in hub.said}) == len(hub.said) - 1
 
 
+async def test_a_key_is_not_taken_for_void_while_one_hub_takes_over_from_another(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with fake_hub(addresses_of) as hub:
+        # The one that asked is gone when it is answered, and so is the next one.
+        hub.forgets = 2
+        async with running(hub.url, tmp_path, QUIET):
+            await hub.until(lambda: hub.links, "a link")
+    assert "refuses this gateway's key" not in caplog.text
+
+
 async def test_a_hub_of_before_is_told_the_key_as_before(tmp_path: Path) -> None:
     async with fake_hub(addresses_of) as hub:
         hub.asks_proof = False

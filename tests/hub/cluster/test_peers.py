@@ -94,3 +94,14 @@ def test_a_hub_counts_as_led_for_as_long_as_a_take_over_lasts() -> None:
     peers.hear_notice(notice("a", leads=True, epoch=3), 0)
     assert peers.led_lately(within_ns)
     assert not peers.led_lately(within_ns + 1)
+
+
+def test_a_lead_that_the_database_does_not_answer_leads_no_longer_for_who_waits_its_turn() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("a", leads=True, epoch=3, database_ms=1.5), 0)
+    assert peers.hears_lead(1)
+    peers.hear_notice(notice("a", leads=True, epoch=3, database_ms=0.0), 2)
+    assert not peers.hears_lead(3)
+    peers.hear_notice(notice("b", opens=True), 4)
+    assert peers.hears_lead(5)
+    assert not peers.hears_lead(5 + SILENT_NS)

@@ -349,7 +349,7 @@ async def _sighting(world: World, _client: httpx.AsyncClient, about: str) -> Ask
 
 async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     """Have a recording of a site, as if its gateway had just handed it over."""
-    recordings = world.hub.hub.recordings.files
+    recordings = world.hub_of(about).recordings.files
     name, body = f"r{next(_NUMBERS)}", b"mcap"
     offer = FileOffer(
         id=name, size=4, digest=hashlib.sha256(body).hexdigest(), begin_us=NOW, end_us=NOW
@@ -368,7 +368,7 @@ FILMED = ("agv/camera", "moon/rover")
 
 async def _film(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     """Have a film of a device's camera, as if its gateway had just handed it over."""
-    recordings = world.hub.hub.recordings.files
+    recordings = world.hub_of(about.partition("/")[0]).recordings.files
     site, _, device = about.partition("/")
     name, body = f"r{next(_NUMBERS)}", b"film"
     offer = FilmOffer(

@@ -158,9 +158,22 @@ class World:
         """The hubs that somebody comes to by turns: the one that leads, and another before it."""
         return self._doors
 
-    async def begin(self) -> None:
+    @property
+    def home(self):
+        """The hub that clients come to unless it is said otherwise."""
+        return self.hub
+
+    def hub_of(self, site: str):
+        """Give the hub that has a site."""
+        return self.hub.hub
+
+    async def open_doors(self) -> None:
+        """Open what somebody comes to."""
         self.another = await self._stack.enter_async_context(AnotherHub(self.hub.hub))
         self._doors = itertools.cycle([self.hub, self.another])
+
+    async def begin(self) -> None:
+        await self.open_doors()
         await self.hub.populate()
         database = self.hub.hub.core.database
         async with database.write() as connection:
@@ -181,7 +194,8 @@ class World:
         for site in DESCRIPTIONS:
             await self.connect(site)
         # Made behind a gateway's hello: what is written then is the doing of no request.
-        await self.hub.hub.history.store.wait_for_views()
+        for site in DESCRIPTIONS:
+            await self.hub_of(site).history.store.wait_for_views()
         ends_us = self.hub.hub.core.clock.wall_ns() // 1000 + 3600 * 10**6
         asked = {**TOKEN, "ends_us": ends_us}
         made = await (await self.client("operator")).post("/api/me/tokens", json=asked)
@@ -196,7 +210,7 @@ class World:
             await self.gateways[site].close()
         if site not in self.hub.keys:
             self.hub.keys[site] = await self.hub.hub.gateways.registry.new_key(site)
-        gateway = await self.hub.gateway(key=self.hub.keys[site])
+        gateway = await self.link(site)
         await gateway.hello(described, site=site, boot=f"boot-{len(described)}")
         gateway.channels = {
             channel.address: at for at, channel in enumerate(load_site(described).channels())
@@ -204,11 +218,15 @@ class World:
         self.gateways[site] = gateway
         return gateway
 
+    async def link(self, site: str):
+        """Open the link of a site's gateway."""
+        return await self.hub.gateway(key=self.hub.keys[site])
+
     async def client(self, actor: str) -> httpx.AsyncClient:
         """Open a client of its own for somebody, with a session of its own."""
         client = httpx.AsyncClient(
-            base_url=self.hub.origin,
-            headers={"Origin": self.hub.origin},
+            base_url=self.home.origin,
+            headers={"Origin": self.home.origin},
             transport=self._transport,
             trust_env=False,
             timeout=PATIENCE_S,
@@ -283,7 +301,8 @@ class World:
             id="0" * 32, kind="fits", device=device, size=len(data), digest=digest,
             time_us=NOW,
         )  # fmt: skip
-        return str((await self.hub.hub.archive.frames.archive_file(site, "UTC", offer, path)).id)
+        frames = self.hub_of(site).archive.frames
+        return str((await frames.archive_file(site, "UTC", offer, path)).id)
 
     async def sighting(self, about: str) -> str:
         """Have a camera see somebody, unless it has; give the sighting's number."""

@@ -68,6 +68,13 @@ async def test_a_site_with_a_history_in_the_main_database_is_never_placed_anew(d
     assert {home.site for home in await HistoryHomes(database).list_homes()} == {"moon"}
 
 
+async def test_a_new_site_of_the_main_shard_has_its_place_written_down_as_well(database) -> None:
+    await enrolled(database, "agv")
+    assert await directory_of(database, lambda *_: "own").place_site("agv") == MAIN
+    # Another hub, which counts otherwise, does not place it elsewhere.
+    assert await directory_of(database, lambda *_: "east").place_site("agv") == MAIN
+
+
 async def test_nobody_without_a_key_gives_a_site_a_place(database) -> None:
     directory = directory_of(database)
     assert await directory.place_site("stranger") == MAIN

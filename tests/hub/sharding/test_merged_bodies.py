@@ -15,6 +15,7 @@ from talaia.hub.api.sites.shared_commands import list_shared_commands
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.history.forecast import Warn
 from talaia.hub.sharding.merged_bodies import (
+    join_client_protocols,
     join_commands,
     join_devices,
     join_gateways,
@@ -248,3 +249,18 @@ def test_releases_are_those_of_all_folders_and_a_rollout_is_that_of_all_its_site
 
 def test_where_nothing_was_handed_out_none_is_told() -> None:
     assert json.loads(join_releases([releases([], [], None)] * 2))["rollout"] is None
+
+
+def test_clients_of_all_shards_are_counted_and_brokers_of_each_are_named() -> None:
+    def body(connected: int, broker: str, *more: str) -> bytes:
+        first = {"protocol": "mqtt", "open": True, "connected": connected, "brokers": [broker]}
+        rest = [{"protocol": name, "connected": 1, "brokers": []} for name in more]
+        return msgspec.json.encode({"protocols": [first, *rest], "drivers": [{"site": "agv"}]})
+
+    joined = json.loads(join_client_protocols([body(2, "of main"), body(3, "of east", "newer")]))
+    assert joined == {
+        "protocols": [
+            {"protocol": "mqtt", "open": True, "connected": 5, "brokers": ["of main", "of east"]}
+        ],
+        "drivers": [{"site": "agv"}],
+    }

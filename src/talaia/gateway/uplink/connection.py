@@ -59,6 +59,8 @@ log = logging.getLogger(__name__)
 HANDSHAKE_S = 5.0
 # Small, so that what waits is in our lanes, where importance counts, and not in the socket.
 WRITE_LIMIT = 32 * 1024
+# Dials of which the last one is refused, before a key counts as void.
+_DIALS = 4
 
 
 class HubMessageHandler(Protocol):
@@ -129,8 +131,9 @@ async def dial(trust: HubTrust, prover: KeyProver, path: str) -> AsyncIterator[C
 async def _connect(
     url: str, context: ssl.SSLContext | None, prover: KeyProver, path: str
 ) -> ClientConnection:
-    # The first dial may only ask for the hub's number; the last one answers it, or is refused.
-    for again in (True, False):
+    # The first dial may only ask for the hub's number, and the next one answers it. Where another
+    # hub takes over meanwhile it does not know that number, and tells one of its own.
+    for again in range(_DIALS - 1, -1, -1):
         try:
             socket = await connect(
                 url,

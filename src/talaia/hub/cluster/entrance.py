@@ -53,11 +53,6 @@ class Entrance:
         # Those of them that are links of gateways.
         self._gateways: set[TunnelName] = set()
 
-    def count_open(self) -> tuple[int, int]:
-        """Count links of gateways, and all other sockets, that go through here."""
-        sockets = sum(tunnel.kind == "websocket" for tunnel in self._open.values())
-        return len(self._gateways), sockets - len(self._gateways)
-
     async def serve_request(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Hand one request through to its end.
 

@@ -113,9 +113,9 @@ class Peers:
         return now_ns - heard_ns <= SILENT_S * 1e9
 
     def hears_lead(self, now_ns: int) -> bool:
-        """Tell whether a hub leads, or is about to."""
+        """Tell whether a hub leads, or is about to; one without the database will soon not."""
         return any(
-            (known.notice.leads or known.notice.opens)
+            (known.notice.opens or (known.notice.leads and known.notice.database_ms > 0))
             and not known.notice.leaving
             and now_ns - known.heard_ns <= SILENT_S * 1e9
             for known in self._known.values()

@@ -68,9 +68,10 @@ class Core:
         # Checks the URL and connects to nothing yet.
         self.seat = seat
         self.on_connect = None if seat is None else seat.check_connection
-        self.database = Database(settings.url, on_connect=self.on_connect)
+        divided = seat is not None and bool(seat.plan.names)
+        self.database = Database(settings.url, on_connect=self.on_connect, shares_turn=divided)
         self.shard: Shard = WholeShard()
-        if seat is not None and seat.plan.names:
+        if seat is not None and divided:
             self.shard = OwnShard(seat.shard, seat.plan, HistoryHomes(self.database))
         self.sites = Sites()
         self.known_sites: DescribedSites = self.sites

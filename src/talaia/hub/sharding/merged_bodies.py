@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
 __all__ = [
+    "join_client_protocols",
     "join_commands",
     "join_devices",
     "join_gateways",
@@ -42,6 +43,11 @@ class _DeviceList(msgspec.Struct):
 class _GatewayList(msgspec.Struct):
     gateways: list[msgspec.Raw]
     codes: list[msgspec.Raw]
+
+
+class _ProtocolList(msgspec.Struct):
+    protocols: list[_Row]
+    drivers: list[msgspec.Raw]
 
 
 class _CommandList(msgspec.Struct):
@@ -105,6 +111,19 @@ def join_commands(bodies: Sequence[bytes]) -> bytes:
         )
     )
     return _encode(_CommandList(joined))
+
+
+def join_client_protocols(bodies: Sequence[bytes]) -> bytes:
+    """Join which protocols are open: the main shard's word, with clients and brokers of all."""
+    joined, *others = (msgspec.json.decode(body, type=_ProtocolList) for body in bodies)
+    for other in others:
+        theirs = {row["protocol"]: row for row in other.protocols}
+        for row in joined.protocols:
+            # A shard of another version may not know it.
+            if same := theirs.get(row["protocol"]):
+                row["connected"] += same["connected"]
+                row["brokers"] += same["brokers"]
+    return _encode(joined)
 
 
 def join_storage(bodies: Sequence[bytes]) -> bytes:

@@ -19,6 +19,7 @@ from talaia.hub.sharding.held_answers import (
     send_answer,
 )
 from talaia.hub.sharding.merged_bodies import (
+    join_client_protocols,
     join_commands,
     join_devices,
     join_gateways,
@@ -70,6 +71,7 @@ _MERGED: dict[tuple[str, str], _Merge] = {
     ("GET", "/api/devices"): _Merge(_plainly(join_devices)),
     ("GET", "/api/commands"): _Merge(_plainly(join_commands)),
     ("GET", "/api/gateways"): _Merge(_plainly(join_gateways)),
+    ("GET", "/api/client-protocols"): _Merge(_plainly(join_client_protocols)),
     ("GET", "/api/releases"): _Merge(_plainly(join_releases)),
     ("GET", "/api/storage"): _Merge(_plainly(join_storage), is_long=True),
     ("GET", "/api/storage/outlook"): _Merge(_plainly(join_storage), is_long=True),

@@ -14,7 +14,7 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyErro
 from sqlalchemy.ext.asyncio import create_async_engine
 
 from talaia.hub.errors import StoreDown, StoreError
-from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.database_url import parse_database_url, say_at_connect
 from talaia.hub.store.dialects.choice import dialect_of
 from talaia.hub.store.dialects.dialect import SINGLE, WRITES
 
@@ -39,8 +39,13 @@ _POOL_S = 5
 class Database:
     """Transactions that read, and transactions that write."""
 
-    def __init__(self, url: str, *, on_connect: OnConnect | None = None) -> None:
+    def __init__(
+        self, url: str, *, on_connect: OnConnect | None = None, shares_turn: bool = False
+    ) -> None:
         """Prepare for ``url``; nothing is opened yet. ``on_connect`` may refuse a connection.
+
+        ``shares_turn``: other hubs write there, too. Where this one stands still within a
+        transaction, the server ends that after some seconds, or nobody would have the turn.
 
         Raises:
             StoreError: the URL cannot be read, or its driver is not installed.
@@ -52,6 +57,9 @@ class Database:
         self._engine = _make_engine(self._reach)
         if on_connect is not None:
             event.listen(self._engine.sync_engine, "connect", on_connect)
+        if shares_turn:
+            bound = say_at_connect(self._reach.dialect.idle_bound)
+            event.listen(self._engine.sync_engine, "connect", bound)
         # The same connections; their transactions begin by waiting for the turn to write.
         self._writer = self._engine.execution_options(**{WRITES: True})
         # The same connections; for one query each, with no transaction around it.

@@ -26,12 +26,29 @@ if TYPE_CHECKING:
     # Is given each new connection, before anything else uses it; raises to refuse it.
     OnConnect = Callable[[DBAPIConnection, object], None]
 
-__all__ = ["OnConnect", "Reach", "parse_database_url"]
+__all__ = ["OnConnect", "Reach", "parse_database_url", "say_at_connect"]
 
 _EXAMPLE = (
     "write it like postgresql://talaia@db.example/talaia, mariadb://talaia@db.example/talaia"
     " or sqlite:////path/talaia.db"
 )
+
+
+def say_at_connect(words: str) -> OnConnect:
+    """Give a listener for ``connect`` that says ``words`` to the server; none of no words."""
+
+    def say_words(connection: DBAPIConnection, _record: object) -> None:
+        if not words:
+            return
+        cursor = connection.cursor()
+        try:
+            cursor.execute(words)
+        finally:
+            cursor.close()
+        # What is set within a transaction would be undone with it.
+        connection.commit()
+
+    return say_words
 
 
 class Reach(NamedTuple):

@@ -268,3 +268,22 @@ async def test_sites_whose_history_is_here_get_rows_before_they_are_divided(url)
     found = {home.site: home.server for home in await homes.list_homes()}
     assert found == {"agv": "own", "arm": "east", "drone": "own"}
     await database.close()
+
+
+async def test_whoever_stands_still_within_a_transaction_keeps_the_turn_for_seconds_alone(
+    url,
+) -> None:
+    words = "SHOW idle_in_transaction_session_timeout"
+    if "mariadb" in url:
+        words = "SELECT @@idle_transaction_timeout"
+    found = []
+    for shares_turn in (True, False):
+        database = Database(url, shares_turn=shares_turn)
+        async with database.write():
+            pass
+        # In another transaction of the same connection.
+        async with database.read() as connection:
+            found.append(str(await connection.scalar(sa.text(words))))
+        await database.close()
+    assert found[0] in {"10s", "10"}
+    assert found[1] == "0"

@@ -33,6 +33,13 @@ export class HubListView extends LitElement {
       .facts {
         font-variant-numeric: tabular-nums;
       }
+      .facts details,
+      .facts summary {
+        display: inline-block;
+        margin: 0;
+        padding: 0;
+        font-weight: inherit;
+      }
     `,
   ];
 

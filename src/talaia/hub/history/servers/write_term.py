@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 from sqlalchemy import event, func, insert, inspect, select, update
 
 from talaia.hub.history.errors import HistoryAway
+from talaia.hub.store.database_url import say_at_connect
 from talaia.hub.store.dialects.choice import dialect_of
 from talaia.hub.store.history_servers.home_tables import history_owner, history_term
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection, Engine
-    from sqlalchemy.engine.interfaces import DBAPIConnection
 
 __all__ = ["WriteTerm"]
 
@@ -44,9 +44,7 @@ class WriteTerm:
     def guard_engine(self, engine: Engine) -> None:
         """Let no transaction of an engine begin but under this term."""
         event.listen(engine, "begin", self._check_term)
-        words = dialect_of(engine).idle_bound
-        if words:
-            event.listen(engine, "connect", _bound_idle(words))
+        event.listen(engine, "connect", say_at_connect(dialect_of(engine).idle_bound))
 
     def read_term(self, engine: Engine) -> int:
         """Give the term that stands there; 0 on a server that nobody has claimed.
@@ -115,13 +113,3 @@ class WriteTerm:
             f"another hub writes the histories on {self._server!r} now",
             "end one of the two hubs, and start the other one anew",
         )
-
-
-def _bound_idle(words: str):  # type: ignore[no-untyped-def] # noqa: ANN202
-    def bound_idle(connection: DBAPIConnection, _record: object) -> None:
-        cursor = connection.cursor()
-        cursor.execute(words)
-        cursor.close()
-        connection.commit()
-
-    return bound_idle

@@ -21,7 +21,7 @@ from sqlalchemy import create_engine, text
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from talaia.hub.errors import CannotStart
-from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.database_url import parse_database_url, say_at_connect
 from talaia.hub.store.dialects.lead_words import MAIN_SHARD
 from talaia.hub.store.lead.hub_plan import PlanCheck
 
@@ -58,16 +58,7 @@ def mark_apart(url: str) -> OnConnect:
 
     """
     words = parse_database_url(url).dialect.lead
-
-    def mark(connection: DBAPIConnection, _record: object) -> None:
-        if words is not None and words.divide(MAIN_SHARD).apart:
-            cursor = connection.cursor()
-            try:
-                cursor.execute(words.divide(MAIN_SHARD).apart)
-            finally:
-                cursor.close()
-
-    return mark
+    return say_at_connect(words.divide(MAIN_SHARD).apart if words else "")
 
 
 class LeadLock:
