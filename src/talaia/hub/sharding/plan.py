@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from talaia.hub.store.dialects.lead_words import MAIN_SHARD
 from talaia.hub.store.history_servers.own_rows import every_row
 
 if TYPE_CHECKING:
@@ -13,8 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["MAIN", "ShardPlan", "WholeShard"]
 
-# The shard that has the accounts, and every site that no other shard has.
-MAIN = "main"
+# The shard that has the accounts, and every site that no other shard has; as locks name it.
+MAIN = MAIN_SHARD
 
 
 class ShardPlan(NamedTuple):
