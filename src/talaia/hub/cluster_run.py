@@ -18,11 +18,12 @@ from talaia.hub.api.server.request_guard import RequestGuard
 from talaia.hub.api.static_pages import Pages
 from talaia.hub.history.servers.server_file import read_history_servers
 from talaia.hub.lock import HubRuns, hub_lock
-from talaia.hub.shard_seat import SeatRules, ShardSeat, answer_response
+from talaia.hub.shard_seat import NO_LEAD, SeatRules, ShardSeat, answer_response
 from talaia.hub.sharding.plan import MAIN, ShardPlan
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.lead.lead_lock import mark_apart
+from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
@@ -41,7 +42,6 @@ _LOG = logging.getLogger(__name__)
 # leads already (s); just after its start it waits longer, for the others are about to come.
 _VACANT_S, _EARLY_S = 3.0, 20.0
 _ENDS = "this hub ends; come again, to another one"
-_NOT_READY = "no hub leads just now; one takes over within seconds"
 
 
 class ClusterHub:
@@ -98,7 +98,10 @@ class ClusterHub:
             apart = mark_apart(settings.url)
             self._looked_up = Database(settings.url, on_connect=apart, shares_turn=True)
             homes = HistoryHomes(self._looked_up)
-            directory = ShardDirectory(self._looked_up, homes, plan, named.first_home)
+            registry = SiteRegistry(self._looked_up, clock)
+            directory = ShardDirectory(
+                self._looked_up, homes, plan, named.first_home, registry=registry
+            )
             self._led_on = ShardRouter(self.seats, directory)
         # What this hub answers without being the lead, guarded like everything else.
         self._own = RequestGuard(self._answer_own, settings)
@@ -152,7 +155,7 @@ class ClusterHub:
         if path == "/api/health" or (path == "/api/ready" and self._is_ready()):
             await answer_response(JSONResponse({"ok": True}), scope, receive, send)
         elif path == "/api/ready" or scope["type"] == "websocket":
-            said = _ENDS if self._leaving else _NOT_READY
+            said = _ENDS if self._leaving else NO_LEAD
             await answer_response(problem_response(503, "busy", said, 1), scope, receive, send)
         else:
             page = self._pages.page(Request(scope, receive), path.removeprefix("/"))

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from talaia.hub.sharding.plan import ShardPlan
     from talaia.hub.store.database import Database
 
-__all__ = ["SeatRules", "ShardSeat", "answer_response"]
+__all__ = ["NO_LEAD", "SeatRules", "ShardSeat", "answer_response"]
 
 _LOG = logging.getLogger(__name__)
 # Features of a hub that was superseded are closed no longer than this (s): the process ends.
@@ -51,7 +51,7 @@ _ALONE_S = 10.0
 _TRIES = 3
 # The first look at a lock is waited for no longer (s).
 _FIRST_LOOK_S = 5.0
-_NO_LEAD = "no hub leads just now; one takes over within seconds"
+NO_LEAD = "no hub leads just now; one takes over within seconds"
 _NO_SHARD_LEAD = "no hub leads the shard {} just now; one takes over within seconds"
 
 
@@ -211,7 +211,7 @@ class ShardSeat:
 
     async def refuse_request(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Say that no hub leads this shard just now."""
-        said = _NO_LEAD if self.shard == MAIN else _NO_SHARD_LEAD.format(self.shard)
+        said = NO_LEAD if self.shard == MAIN else _NO_SHARD_LEAD.format(self.shard)
         await answer_response(problem_response(503, "busy", said, 1), scope, receive, send)
 
     def _has_lead(self) -> bool:

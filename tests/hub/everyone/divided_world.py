@@ -7,11 +7,13 @@ from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from talaia.clock import SystemClock
 from talaia.hub.sharding.directory import ShardDirectory
 from talaia.hub.sharding.plan import MAIN
 from talaia.hub.sharding.router import ShardRouter
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.sites.site_registry import SiteRegistry
 
 from ..another_hub import AnotherHub
 from ..conftest import RunningHub
@@ -37,7 +39,13 @@ class DividedWorld(World):
         database = Database(settings.url)
         self._stack.push_async_callback(database.close)
         homes = HistoryHomes(database)
-        directory = ShardDirectory(database, homes, PLAN, lambda _site, _counts: "own")
+        directory = ShardDirectory(
+            database,
+            homes,
+            PLAN,
+            lambda _site, _counts: "own",
+            registry=SiteRegistry(database, SystemClock()),
+        )
         self.asgi = ShardRouter({MAIN: self.hub.hub.asgi, EAST: self._east.hub.asgi}, directory)
         self.settings = settings
         self.another = await self._stack.enter_async_context(AnotherHub(self))

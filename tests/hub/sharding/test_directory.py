@@ -33,7 +33,8 @@ def least(_site: str, counts: Mapping[str, int]) -> str:
 
 
 def directory_of(database: Database, choose=least) -> ShardDirectory:
-    return ShardDirectory(database, HistoryHomes(database), PLAN, choose)
+    registry = SiteRegistry(database, HandClock())
+    return ShardDirectory(database, HistoryHomes(database), PLAN, choose, registry=registry)
 
 
 async def enrolled(database: Database, *sites: str) -> list[str]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.hub.sharding.plan import ShardPlan
     from talaia.hub.store.database import Database
     from talaia.hub.store.history_servers.history_homes import HistoryHomes
+    from talaia.hub.store.sites.site_registry import SiteRegistry
 
 __all__ = ["ShardDirectory"]
 
@@ -44,9 +45,15 @@ class ShardDirectory:
         homes: HistoryHomes,
         plan: ShardPlan,
         first_home: Callable[[str, Mapping[str, int]], str],
+        *,
+        registry: SiteRegistry,
     ) -> None:
-        """Ask ``database``; ``first_home`` chooses the server of a new site by what each has."""
+        """Ask ``database``; ``first_home`` chooses the server of a new site by what each has.
+
+        ``registry`` knows the keys and numbers of gateways.
+        """
         self._database = database
+        self._registry = registry
         self._homes = homes
         self._plan = plan
         self._first_home = first_home
@@ -56,7 +63,6 @@ class ShardDirectory:
         # Gateways of thousands of sites may come at once.
         self._asking = SharedLookup(self._fetch_servers)
         self._stored = SharedLookup(self._fetch_stored)
-        self._keyed = SharedLookup(self._fetch_keyed)
         # By hash: whose key it is, of gateways that say their key.
         self._sites_of_keys: dict[str, str] = {}
 
@@ -106,7 +112,7 @@ class ShardDirectory:
             # Of before sites were divided: its history is in the main database, and stays there.
             self._shards[site] = MAIN
             return MAIN
-        if not await self._keyed.look_up(site):
+        if not await self._registry.keys_of_site(site):
             return MAIN
         server = self._first_home(site, await self._count_sites())
         # One of the main shard, too, or another hub might place it elsewhere meanwhile. Another hub
@@ -144,9 +150,8 @@ class ShardDirectory:
             StoreDown: the database does not answer.
 
         """
-        query = select(gateways.c.site).where(gateways.c.id == number)
-        found = await self._database.fetch_scalars(query)
-        return str(found[0]) if found else None
+        found = await self._registry.find_gateway(number)
+        return None if found is None else found.site
 
     async def _count_sites(self) -> dict[str, int]:
         query = select(history_homes.c.server, func.count()).group_by(history_homes.c.server)
@@ -160,10 +165,6 @@ class ShardDirectory:
 
     async def _fetch_stored(self, names: Collection[str]) -> dict[str, bool]:
         return {row.site: True for row in await self._fetch_rows((sites.c.site,), names)}
-
-    async def _fetch_keyed(self, names: Collection[str]) -> dict[str, bool]:
-        columns = (gateways.c.site, gateways.c.revoked_us)
-        return {row.site: True for row in await self._fetch_rows(columns, names) if not row[1]}
 
     async def _fetch_rows(
         self, columns: Sequence[ColumnElement[Any]], names: Collection[str]
