@@ -180,7 +180,9 @@ class ClusterHub:
 
     def _describe_process(self) -> tuple[int, int, tuple[str, ...]]:
         """Count all gateways and other sockets that came here; name the shards led here."""
-        led = tuple(name for name, seat in self.seats.items() if seat.leading is not None)
+        # Of sites that are not divided there is nothing to name.
+        seats = self.seats.items() if len(self.seats) > 1 else ()
+        led = tuple(name for name, seat in seats if seat.leading is not None)
         return self._gateways, self._sockets, led
 
     @contextlib.contextmanager

@@ -39,7 +39,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
         database_ms: how long the database took to answer; 0: not known.
         gateways: links of gateways that came in here.
         sockets: all other sockets that came in here.
-        shards: those that this process leads; said at the main shard alone.
+        shards: those that this process leads, where sites are divided; said at the main one alone.
 
     """
 

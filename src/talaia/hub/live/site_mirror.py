@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import func, select
 
-from talaia.hub.errors import StoreDown
+from talaia.hub.live.followed_store import follow_store
 from talaia.hub.store.tables import descriptions, sites
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy.ext.asyncio import AsyncConnection
 
+    from talaia.hub.errors import StoreDown
     from talaia.hub.live.sites import Sites
     from talaia.hub.ports import DescribedSite, Shard
     from talaia.hub.store.database import Database
@@ -69,18 +70,11 @@ class SiteMirror:
 
     async def run(self) -> None:
         """Follow what other hubs write, until cancelled."""
-        failing = False
-        while True:
-            await asyncio.sleep(_LOOK_S)
-            try:
-                await self.refresh()
-            except StoreDown as error:
-                # Once, and not at each look.
-                if not failing:
-                    _LOG.warning("sites of other shards are known as they were: %s", error)
-                failing = True
-            else:
-                failing = False
+
+        def say_failed(error: StoreDown) -> None:
+            _LOG.warning("sites of other shards are known as they were: %s", error)
+
+        await follow_store(self.refresh, every_s=_LOOK_S, failed=say_failed)
 
     async def refresh(self) -> None:
         """Read what is new.

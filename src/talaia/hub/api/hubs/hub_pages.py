@@ -63,12 +63,10 @@ class HubPages:
         heard = list(seat.heard_hubs())
         # One that was killed has said that it leads, and is not missed before it has been silent.
         newest = max(notice.epoch for notice in (own, *(notice for notice, _ in heard)))
-        divided = bool(seat.plan.names)
-        hubs = [_shape(own, newest, own=True, silent_s=0.0, divided=divided)]
+        hubs = [_shape(own, newest, own=True, silent_s=0.0)]
         for notice, heard_ns in heard:
             silent_s = max(0.0, (now_ns - heard_ns) / 1e9)
-            silent_s = round(silent_s, 1)
-            hubs.append(_shape(notice, newest, own=False, silent_s=silent_s, divided=divided))
+            hubs.append(_shape(notice, newest, own=False, silent_s=round(silent_s, 1)))
         hubs.sort(key=lambda hub: hub.name)
         shards = await self._list_shards(hubs, seat.plan.names)
         return HubList(
@@ -100,14 +98,10 @@ def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _shape(
-    notice: HubNotice, newest: int, *, own: bool, silent_s: float, divided: bool
-) -> HubShape:
-    leads = (notice.leads and notice.epoch == newest) or any(
-        # Another hub leads the main shard; whether it says so still does not count here.
-        name != MAIN
-        for name in notice.shards
-    )
+def _shape(notice: HubNotice, newest: int, *, own: bool, silent_s: float) -> HubShape:
+    # Another hub may lead the main shard: of that one the higher number tells.
+    leads_main = notice.leads and notice.epoch == newest
+    leads = leads_main or any(shard != MAIN for shard in notice.shards)
     role = "leads" if leads else "waits"
     if notice.leaving:
         role = "leaves"
@@ -126,5 +120,5 @@ def _shape(
         sockets=notice.sockets,
         # Of the bus that is away: nobody was heard.
         silent_s=min(silent_s, 1e6),
-        shards=list(notice.shards) if divided else [],
+        shards=list(notice.shards),
     )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.hub.errors import StoreDown
+from talaia.hub.live.followed_store import follow_store
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from talaia.hub.errors import StoreDown
     from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
 
 __all__ = ["follow_troubles"]
@@ -28,18 +28,15 @@ async def follow_troubles(
 ) -> None:
     """Call ``refresh`` whenever something has changed in ``outbox``, until cancelled."""
     known: tuple[int, ...] = ()
-    failing = False
-    while True:
-        await asyncio.sleep(every_s)
-        try:
-            mark = await outbox.trouble_mark()
-            if mark != known:
-                await refresh()
-            known = mark
-        except StoreDown as error:
-            # Once, and not at each look.
-            if not failing:
-                _LOG.warning("which messages are not delivered is not known now: %s", error)
-            failing = True
-        else:
-            failing = False
+
+    async def refresh_changed() -> None:
+        nonlocal known
+        mark = await outbox.trouble_mark()
+        if mark != known:
+            await refresh()
+        known = mark
+
+    def say_failed(error: StoreDown) -> None:
+        _LOG.warning("which messages are not delivered is not known now: %s", error)
+
+    await follow_store(refresh_changed, every_s=every_s, failed=say_failed)
