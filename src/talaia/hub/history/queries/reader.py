@@ -7,10 +7,11 @@ which cut through buckets, by narrower ones, and what is left of them by the sam
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from sqlalchemy import select, union_all
+from sqlalchemy import bindparam, select, union_all
 
 from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples, in_order
 from talaia.hub.history.blocks.cache import BlockCache
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from numpy.typing import NDArray
-    from sqlalchemy import Connection, Engine
+    from sqlalchemy import CompoundSelect, Connection, Engine
 
     from talaia.hub.history.blocks.rollup import RollupPiece
     from talaia.hub.history.limits import HistoryLimits
@@ -222,29 +223,17 @@ def _read_rollups(
     window: StoredWindow,
     tier: int,
     pixel_us: int,
-    names: Sequence[str],
+    names: tuple[str, ...],
 ) -> BlockSamples:
     """Give points that hold the extremes of each pixel: of rollups, and of what is in none."""
     pieces = cover_window(window.from_us, window.to_us + 1, tier)
     wide = [piece for piece in pieces if piece.width_us]
     parts = []
     if wide:
-        table = tables.rollup
-        query = select(*(table.c[name] for name in names))
-        columns = columns_of(
-            connection,
-            union_all(
-                *(
-                    query.where(
-                        table.c.channel_id == window.channel,
-                        table.c.width_us == piece.width_us,
-                        table.c.bucket_us >= piece.from_us,
-                        table.c.bucket_us < piece.past_us,
-                    )
-                    for piece in wide
-                )
-            ),
-        )
+        parameters = {"channel": window.channel}
+        for number, piece in enumerate(wide):
+            parameters |= {f"{name}_{number}": value for name, value in piece._asdict().items()}
+        columns = columns_of(connection, _rollup_statement(names, len(wide)), parameters)
         if columns:
             parts.append(_join_points(columns[0::2], columns[1::2]))
     inside: list[Any] = []
@@ -268,6 +257,24 @@ def _read_rollups(
         if number in read
     ]
     return concatenate_samples(parts)
+
+
+@cache
+def _rollup_statement(names: tuple[str, ...], pieces: int) -> CompoundSelect[Any]:
+    """Make it once: to make it anew for each chart took as long as to run it."""
+    table = tables.rollup
+    query = select(*(table.c[name] for name in names))
+    return union_all(
+        *(
+            query.where(
+                table.c.channel_id == bindparam("channel"),
+                table.c.width_us == bindparam(f"width_us_{number}"),
+                table.c.bucket_us >= bindparam(f"from_us_{number}"),
+                table.c.bucket_us < bindparam(f"past_us_{number}"),
+            )
+            for number in range(pieces)
+        )
+    )
 
 
 def _join_points(

@@ -1,12 +1,17 @@
-"""Where in the database the samples of a window are."""
+"""Where in the database the samples of a window are.
+
+What each chart asks is a statement that is made once and given its numbers: to make it anew took as
+long as to run it.
+"""
 
 from __future__ import annotations
 
 import logging
+from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import func, literal, or_, select, union_all
+from sqlalchemy import bindparam, func, literal, or_, select, union_all
 
 from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples, decode_block
 from talaia.hub.history.blocks.rows import summary_of
@@ -17,7 +22,7 @@ from talaia.hub.store import history_tables as tables
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from sqlalchemy import ColumnElement, Connection
+    from sqlalchemy import ColumnElement, CompoundSelect, Connection
 
     from talaia.hub.history.blocks.cache import BlockCache
     from talaia.hub.history.blocks.rollup import RollupPiece
@@ -38,7 +43,8 @@ __all__ = [
 _LOG = logging.getLogger(__name__)
 FARTHEST_US = 2**62
 _BODIES_AT_ONCE = 200
-_FEW = 200
+# So many of the usual size (4 096) hold more than is read sample by sample.
+_FEW = 64
 _block = tables.block
 
 
@@ -57,13 +63,43 @@ class StoredWindow(NamedTuple):
 
     def overlap_conditions(self) -> list[ColumnElement[bool]]:
         """Tell the blocks that overlap it."""
-        return [
-            _block.c.channel_id == self.channel,
-            _block.c.first_us <= self.to_us,
-            _block.c.first_us >= max(self.from_us - self.longest_us, -(2**63)),
-            _block.c.last_us >= self.from_us,
-            _block.c.id < self.before_block,
-        ]
+        return _overlaps(self._bounds())
+
+    def parameters(self, number: int = 0) -> dict[str, int]:
+        """Give the values that a statement needs with the `_bound_overlaps` of this number."""
+        return {f"{name}_{number}": value for name, value in self._bounds().items()}
+
+    def _bounds(self) -> dict[str, int]:
+        return {
+            "channel": self.channel,
+            "to_us": self.to_us,
+            "earliest_us": max(self.from_us - self.longest_us, -(2**63)),
+            "from_us": self.from_us,
+            "before_block": self.before_block,
+        }
+
+
+def _overlaps(bounds: Mapping[str, Any]) -> list[ColumnElement[bool]]:
+    return [
+        _block.c.channel_id == bounds["channel"],
+        _block.c.first_us <= bounds["to_us"],
+        _block.c.first_us >= bounds["earliest_us"],
+        _block.c.last_us >= bounds["from_us"],
+        _block.c.id < bounds["before_block"],
+    ]
+
+
+def _bound_overlaps(number: int = 0) -> list[ColumnElement[bool]]:
+    names = ("channel", "to_us", "earliest_us", "from_us", "before_block")
+    return _overlaps({name: bindparam(f"{name}_{number}") for name in names})
+
+
+_OVERLAPPING = (
+    select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
+    .where(*_bound_overlaps())
+    .order_by(_block.c.first_us, _block.c.id)
+)
+_FIRST_OVERLAPPING = _OVERLAPPING.limit(_FEW)
 
 
 def count_in_blocks(connection: Connection, window: StoredWindow) -> int:
@@ -76,18 +112,15 @@ def overlapping_blocks(
     connection: Connection, window: StoredWindow, most: int
 ) -> Sequence[Any] | None:
     """List the blocks that overlap a window; None if they hold more than ``most`` samples."""
-    query = (
-        select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
-        .where(*window.overlap_conditions())
-        .order_by(_block.c.first_us, _block.c.id)
-    )
     # Of a long window the first few tell that there are too many.
-    rows = connection.execute(query.limit(_FEW)).all()
+    rows = connection.execute(_FIRST_OVERLAPPING, window.parameters()).all()
     if sum(row.samples for row in rows) > most:
         return None
     if len(rows) < _FEW:
         return rows
-    return connection.execute(query).all() if count_in_blocks(connection, window) <= most else None
+    if count_in_blocks(connection, window) > most:
+        return None
+    return connection.execute(_OVERLAPPING, window.parameters()).all()
 
 
 def overlapping_of_channels(
@@ -191,24 +224,40 @@ def outside_rollups(
     connection: Connection, window: StoredWindow, pieces: Sequence[RollupPiece]
 ) -> list[tuple[int, Any]]:
     """List the blocks that the rollups of a piece do not hold, with the piece's number."""
+    parameters: dict[str, int] = {}
+    for number, piece in enumerate(pieces):
+        part = window._replace(from_us=piece.from_us, to_us=piece.past_us - 1)
+        parameters |= part.parameters(number) | {f"width_us_{number}": piece.width_us}
+    found = connection.execute(_outside_statement(len(pieces)), parameters)
+    return [(row.piece, row) for row in found]
+
+
+@cache
+def _outside_statement(pieces: int) -> CompoundSelect[Any]:
     columns = [_block.c.id, _block.c.first_us, *summary_of(_block)]
     queries = [
         select(literal(number).label("piece"), *columns).where(
-            *window._replace(from_us=piece.from_us, to_us=piece.past_us - 1).overlap_conditions(),
-            or_(_block.c.finest_us == 0, _block.c.finest_us > piece.width_us),
+            *_bound_overlaps(number),
+            or_(_block.c.finest_us == 0, _block.c.finest_us > bindparam(f"width_us_{number}")),
         )
-        for number, piece in enumerate(pieces)
+        for number in range(pieces)
     ]
-    return [(row.piece, row) for row in connection.execute(union_all(*queries))]
+    return union_all(*queries)
+
+
+_GAPS = (
+    select(tables.gap.c.from_us, tables.gap.c.to_us, tables.gap.c.reason)
+    .join(tables.boot, tables.boot.c.id == tables.gap.c.boot_id)
+    .where(
+        tables.boot.c.site == bindparam("site"),
+        tables.gap.c.from_us <= bindparam("to_us"),
+        tables.gap.c.to_us >= bindparam("from_us"),
+    )
+    .order_by(tables.gap.c.from_us, tables.gap.c.to_us)
+)
 
 
 def gaps_of(connection: Connection, site: str, from_us: int, to_us: int) -> list[HistoryGap]:
     """List the recorded gaps of a site that touch a window."""
-    gap, boot = tables.gap, tables.boot
-    query = (
-        select(gap.c.from_us, gap.c.to_us, gap.c.reason)
-        .join(boot, boot.c.id == gap.c.boot_id)
-        .where(boot.c.site == site, gap.c.from_us <= to_us, gap.c.to_us >= from_us)
-        .order_by(gap.c.from_us, gap.c.to_us)
-    )
-    return [HistoryGap(*row) for row in connection.execute(query)]
+    asked = {"site": site, "from_us": from_us, "to_us": to_us}
+    return [HistoryGap(*row) for row in connection.execute(_GAPS, asked)]

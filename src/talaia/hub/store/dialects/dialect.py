@@ -132,10 +132,13 @@ class Dialect(Protocol):
         """
         ...
 
-    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+    def fetch_columns(
+        self, connection: Connection, query: Query, parameters: Mapping[str, int]
+    ) -> Iterator[Values]:
         """Run a query whose columns are times (µs) and values in turn, and give each column.
 
-        A column holds numbers, or None for NULL. There is no column when there is no row.
+        A query is made once, and run with other ``parameters`` each time. A column holds numbers,
+        or None for NULL. There is no column when there is no row.
         """
         ...
 

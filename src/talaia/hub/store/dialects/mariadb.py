@@ -6,7 +6,7 @@ SQLAlchemy is told "mysql" for both brands, so that each statement is written th
 from __future__ import annotations
 
 import contextlib
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import case, event, func, or_, select, text
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from sqlalchemy import URL, Connection, Engine, Table
+    from sqlalchemy import URL, Connection, Engine, Select, Table
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
@@ -37,6 +37,8 @@ __all__ = ["MariadbDialect"]
 
 # A server may take so long to let us in (s).
 _CONNECT_S = 5
+# Queries of columns that are kept with what gathers them.
+_QUERIES = 64
 # A lock's name is the whole server's, so the database's name is in it.
 _LOCK_NAME = "talaia migrations in "
 # So long a program waits for another one that changes the tables (s).
@@ -131,18 +133,17 @@ class MariadbDialect:
         """Let the driver make one statement of all rows."""
         run_for_rows(connection, _insert_words(table, names, in_place), rows)
 
-    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+    def fetch_columns(
+        self, connection: Connection, query: Query, parameters: Mapping[str, int]
+    ) -> Iterator[Values]:
         """Ask for one long text of each column: PyMySQL is Python, ten times slower by rows.
 
         MariaDB shortens a number that it turns into a text before it is gathered, so NULL cannot
         become a word there; buckets of nothing but NaN are rare enough to ask again for all.
         """
-        columns = list(query.subquery().c)
-        has_null = case((or_(*(column.is_(None) for column in columns[1::2])), 1), else_=0)
-        texts = [func.group_concat(func.ifnull(column, 0)) for column in columns]
-        *found, empty = connection.execute(select(*texts, func.sum(has_null))).one()
+        *found, empty = connection.execute(_gathered(query), parameters).one()
         if empty:
-            return iter(zip(*connection.execute(query).all(), strict=True))
+            return iter(zip(*connection.execute(query, parameters).all(), strict=True))
         if found[0] is None:
             return iter(())
         return parse_columns(found)
@@ -185,6 +186,14 @@ def _insert_words(table: Table, names: tuple[str, ...], in_place: bool) -> str: 
         changes = ", ".join(f"{name} = VALUES({name})" for name in others)
         past = f" ON DUPLICATE KEY UPDATE {changes}"
     return f"{insert_head(table, names)}({', '.join(['%s'] * len(names))}){past}"
+
+
+@lru_cache(_QUERIES)
+def _gathered(query: Query) -> Select[Any]:
+    columns = list(query.subquery().c)
+    has_null = case((or_(*(column.is_(None) for column in columns[1::2])), 1), else_=0)
+    texts = [func.group_concat(func.ifnull(column, 0)) for column in columns]
+    return select(*texts, func.sum(has_null))
 
 
 def _let_bytes_pass(connection: DBAPIConnection, _record: object) -> None:

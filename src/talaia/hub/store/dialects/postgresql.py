@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import String, Text, cast, event, func, select, text
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from sqlalchemy import URL, Connection, Engine, Table, TextClause
+    from sqlalchemy import URL, Connection, Engine, Select, Table, TextClause
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
@@ -30,6 +30,8 @@ __all__ = ["PostgresqlDialect"]
 _LOCK = 0x74616C61
 # A server may take so long to let us in (s). pg8000's option would bound every statement as well.
 _CONNECT_S = 5
+# Queries of columns that are kept with what gathers them.
+_QUERIES = 64
 
 
 class PostgresqlDialect:
@@ -122,13 +124,11 @@ class PostgresqlDialect:
         written = ",".join([f"({','.join(map(_sql_literal, row))})" for row in rows])
         connection.exec_driver_sql(f"{insert_head(table, names)}{written}{past}")
 
-    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+    def fetch_columns(
+        self, connection: Connection, query: Query, parameters: Mapping[str, int]
+    ) -> Iterator[Values]:
         """Ask for one long text of each column: pg8000 is Python, and ten times slower by rows."""
-        inner = query.subquery()
-        texts = [
-            func.string_agg(func.coalesce(cast(column, Text), "nan"), ",") for column in inner.c
-        ]
-        found = connection.execute(select(*texts)).one()
+        found = connection.execute(_gathered(query), parameters).one()
         if found[0] is None:
             return iter(())
         return parse_columns(found)
@@ -215,6 +215,14 @@ def _sql_literal(value: float | bytes | None) -> str:
         raise TypeError(f"only numbers and bytes stand in a statement, no {type(value).__name__}")
     # Quoted, a float is read as a double at once; Python's digits give back every bit.
     return f"'{value!r}'"
+
+
+@lru_cache(_QUERIES)
+def _gathered(query: Query) -> Select[Any]:
+    columns = query.subquery().c
+    return select(
+        *(func.string_agg(func.coalesce(cast(column, Text), "nan"), ",") for column in columns)
+    )
 
 
 @cache

@@ -130,9 +130,11 @@ class SqliteDialect:
         with _translated(connection, words) as cursor:
             cursor.executemany(words, rows)
 
-    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+    def fetch_columns(
+        self, connection: Connection, query: Query, parameters: Mapping[str, int]
+    ) -> Iterator[Values]:
         """Take rows as the driver makes them: to make SQLAlchemy's of them takes as long again."""
-        result = connection.execute(query)
+        result = connection.execute(query, parameters)
         rows: Sequence[Sequence[Any]] = result.cursor.fetchall()
         result.close()
         if not rows:
