@@ -8,7 +8,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import select
+from sqlalchemy import bindparam, select
 
 from talaia.hub.history.blocks.block import decode_run
 from talaia.hub.store import history_tables as tables
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from talaia.hub.history.blocks.block import BlockSamples, LastTimes
 
 __all__ = ["read_run"]
+
+_body = tables.body
+_BODIES = select(_body).where(_body.c.block_id.in_(bindparam("ids", expanding=True)))
 
 
 def read_run(
@@ -41,9 +44,8 @@ def read_run(
     # Of equal times, the one that was stored first comes first, and has the lower number.
     if any(after.first_us < row.last_us or after.id < row.id for row, after in pairwise(rows)):
         return None
-    table = tables.body
-    query = select(table).where(table.c.block_id.in_([row.id for row in rows]))
-    bodies = {row.block_id: row.body for row in connection.execute(query)}
+    found = connection.execute(_BODIES, {"ids": [row.id for row in rows]}).all()
+    bodies = {row.block_id: row.body for row in found}
     # One that is gone or damaged is left out, and told, by who reads them one by one.
     if len(bodies) < len(rows):
         return None

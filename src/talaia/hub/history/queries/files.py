@@ -144,10 +144,13 @@ def _open_parquet(
         for column in columns
         if not column.worded and _repeats(table.column(column.address))
     ]
+    # What is a list already is not compressed anyway: that it might be noise need not be asked.
     noisy = [
         column.address
         for column in columns
-        if not column.worded and _is_noise(table.column(column.address))
+        if not column.worded
+        and column.address not in repeating
+        and _is_noise(table.column(column.address))
     ]
     compression = {column.address: "zstd" for column in columns} | {TIME: "none"}
     return pyarrow.parquet.ParquetWriter(

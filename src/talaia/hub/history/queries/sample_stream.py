@@ -7,9 +7,7 @@ memory is looked at once before the first of them, so the pieces fit each other 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
-
-from sqlalchemy import and_, or_, select
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.hub.history.blocks.block import (
     EMPTY,
@@ -19,9 +17,8 @@ from talaia.hub.history.blocks.block import (
     in_order,
 )
 from talaia.hub.history.queries.block_run import read_run
-from talaia.hub.history.queries.window import FARTHEST_US, read_blocks
+from talaia.hub.history.queries.window import FARTHEST_US, blocks_behind, read_blocks
 from talaia.hub.history.queries.window_query import window_of
-from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,7 +31,8 @@ __all__ = ["SampleChunk", "stream_samples"]
 
 # Blocks of a piece: what is held at once is a few times as much.
 AT_ONCE = 16
-_block = tables.block
+# Blocks whose places are asked for together.
+_LISTED = 256
 # Larger than every block's id: memory holds what came after them.
 _TAIL = 2**63 - 1
 
@@ -71,38 +69,28 @@ def stream_samples(
     def pieces() -> Iterator[SampleChunk]:
         # What was read and is not given yet, by block: later blocks may lie among it.
         waiting: dict[int, BlockSamples] = {_TAIL: tail} if tail.time_us.size else {}
-        after = (-(2**63), 0)
-        more = True
-        while more:
-            query = (
-                select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
-                .where(
-                    *window.overlap_conditions(),
-                    or_(
-                        _block.c.first_us > after[0],
-                        and_(_block.c.first_us == after[0], _block.c.id > after[1]),
-                    ),
-                )
-                .order_by(_block.c.first_us, _block.c.id)
-                .limit(AT_ONCE + 1)
-            )
+        # Blocks that are not read yet; whether there are more, behind the last of those listed.
+        ahead: list[Any] = []
+        after, more = (-(2**63), 0), True
+        while more or ahead:
             with engine.begin() as connection:
-                rows = connection.execute(query).all()
-                more = len(rows) > AT_ONCE
-                past_us = rows[AT_ONCE].first_us if more else FARTHEST_US + 1
+                if more and len(ahead) <= AT_ONCE:
+                    found = blocks_behind(connection, window, after, _LISTED)
+                    ahead += found
+                    more = len(found) == _LISTED
+                    after = (found[-1].first_us, found[-1].id) if more else after
+                rows, ahead = ahead[:AT_ONCE], ahead[AT_ONCE:]
+                past_us = ahead[0].first_us if ahead else FARTHEST_US + 1
                 until_us = min([past_us, *(int(held.time_us[0]) for held in waiting.values())])
                 to_us = min(window.to_us, until_us - 1)
-                ready = read_run(connection, rows[:AT_ONCE], window.from_us, to_us, last=shared)
+                ready = read_run(connection, rows, window.from_us, to_us, last=shared)
                 read = {}
                 if ready is None:
-                    read = read_blocks(connection, [row.id for row in rows[:AT_ONCE]])
-            if more:
-                after = (rows[AT_ONCE - 1].first_us, rows[AT_ONCE - 1].id)
-            if ready is not None and more and until_us == past_us:
-                yield SampleChunk(ready, max(past_us, window.from_us))
-                continue
+                    read = read_blocks(connection, [row.id for row in rows])
             if ready is not None:
-                waiting[rows[0].id] = ready
+                yield SampleChunk(ready, max(until_us, window.from_us))
+                if ahead and until_us == past_us:
+                    continue
             for number, samples in read.items():
                 waiting[number] = samples.between_times(window.from_us, window.to_us)
             ready, waiting = _split_waiting(waiting, past_us)

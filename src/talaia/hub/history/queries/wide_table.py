@@ -75,9 +75,13 @@ def _join_parts(parts: list[BlockSamples]) -> Rows:
     return Rows(moments[rows // (most + 1)], places, parts)
 
 
-@lru_cache(2)
 def _all_places(size: int) -> NDArray[np.intp]:
-    # Pieces of a file are of one size, but for the last.
+    return _count_up(1 << size.bit_length())[:size]
+
+
+@lru_cache(4)
+def _count_up(size: int) -> NDArray[np.intp]:
+    # Pieces of a file are of a few sizes.
     places = np.arange(size)
     places.flags.writeable = False
     return places
@@ -89,10 +93,20 @@ def _shared_times(times: Sequence[NDArray[np.int64]]) -> NDArray[np.int64] | Non
     One signal has only its own, and those of one message have the same: there is nothing to merge.
     """
     first, *others = [own_times for own_times in times if own_times.size]
-    # Of signals of one message they are often one array: see `LastTimes`.
-    if all(own_times is first or np.array_equal(own_times, first) for own_times in others):
-        return first
-    return None
+    # Of signals of one message they are often the same piece of memory: see `LastTimes`.
+    known = {_place_of(first)}
+    for own_times in others:
+        if (place := _place_of(own_times)) in known:
+            continue
+        if not np.array_equal(own_times, first):
+            return None
+        known.add(place)
+    return first
+
+
+def _place_of(times: NDArray[np.int64]) -> tuple[int, int, tuple[int, ...]]:
+    start, _ = times.__array_interface__["data"]
+    return start, times.size, times.strides
 
 
 def _merge_sorted(

@@ -11,7 +11,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import bindparam, func, literal, or_, select, union_all
+from sqlalchemy import Integer, and_, bindparam, func, literal, or_, select, union_all
 
 from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples, decode_block
 from talaia.hub.history.blocks.rows import summary_of
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FARTHEST_US",
     "StoredWindow",
+    "blocks_behind",
     "count_in_blocks",
     "gaps_of",
     "kept_bodies",
@@ -100,6 +101,12 @@ _OVERLAPPING = (
     .order_by(_block.c.first_us, _block.c.id)
 )
 _FIRST_OVERLAPPING = _OVERLAPPING.limit(_FEW)
+_BEHIND = _OVERLAPPING.where(
+    or_(
+        _block.c.first_us > bindparam("after_us"),
+        and_(_block.c.first_us == bindparam("after_us"), _block.c.id > bindparam("after_id")),
+    )
+).limit(bindparam("most", type_=Integer))
 
 
 def count_in_blocks(connection: Connection, window: StoredWindow) -> int:
@@ -121,6 +128,14 @@ def overlapping_blocks(
     if count_in_blocks(connection, window) > most:
         return None
     return connection.execute(_OVERLAPPING, window.parameters()).all()
+
+
+def blocks_behind(
+    connection: Connection, window: StoredWindow, after: tuple[int, int], most: int
+) -> Sequence[Any]:
+    """List the first blocks that overlap a window and begin behind a time and a number."""
+    bounds = {**window.parameters(), "after_us": after[0], "after_id": after[1], "most": most}
+    return connection.execute(_BEHIND, bounds).all()
 
 
 def overlapping_of_channels(
