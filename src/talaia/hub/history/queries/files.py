@@ -139,19 +139,15 @@ def _open_parquet(
     Least and greatest values, by which readers pass over parts of a file, are those of the times.
     """
     listed = [column.address for column in columns if column.worded]
-    repeating = [
-        column.address
-        for column in columns
-        if not column.worded and _repeats(table.column(column.address))
-    ]
-    # What is a list already is not compressed anyway: that it might be noise need not be asked.
-    noisy = [
-        column.address
-        for column in columns
-        if not column.worded
-        and column.address not in repeating
-        and _is_noise(table.column(column.address))
-    ]
+    repeating, noisy = [], []
+    for column in columns:
+        if column.worded:
+            continue
+        values = _first_values(table.column(column.address))
+        if _repeats(values):
+            repeating.append(column.address)
+        elif _is_noise(values):
+            noisy.append(column.address)
     compression = {column.address: "zstd" for column in columns} | {TIME: "none"}
     return pyarrow.parquet.ParquetWriter(
         sink,
@@ -163,13 +159,23 @@ def _open_parquet(
     )
 
 
-def _repeats(column: pa.ChunkedArray) -> bool:
-    values = column.drop_null().slice(0, _LOOKED_AT)
+def _first_values(column: pa.ChunkedArray) -> pa.Array:
+    found: list[pa.Array] = []
+    # A channel that shares no times with the others has few values in many rows.
+    for first in range(0, len(column), _LOOKED_AT):
+        missing = _LOOKED_AT - sum(map(len, found))
+        if not missing:
+            break
+        part = column.slice(first, _LOOKED_AT).drop_null().slice(0, missing)
+        found += part.chunks
+    return pa.concat_arrays(found) if found else pa.array([], column.type)
+
+
+def _repeats(values: pa.Array) -> bool:
     return len(values) > 0 and _FEW * len(values.unique()) <= len(values)
 
 
-def _is_noise(column: pa.ChunkedArray) -> bool:
-    values = column.drop_null().slice(0, _LOOKED_AT).combine_chunks()
+def _is_noise(values: pa.Array) -> bool:
     if not len(values):
         return False
     plain = values.buffers()[1].slice(8 * values.offset, 8 * len(values))
