@@ -242,7 +242,9 @@ class _PlainRows:
 def _pack_columns(columns: Columns) -> bytes:
     channel, time_us, value = columns.channel, columns.time_us, columns.value
     texts = b""
-    if (channel[1:] < channel[:-1]).any():
+    # Each has one sample, as in most batches of many slow channels: there is nothing to count.
+    is_single = bool((channel[1:] > channel[:-1]).all())
+    if not is_single and (channel[1:] < channel[:-1]).any():
         order = np.argsort(channel, kind="stable")
         channel, time_us, value = channel[order], time_us[order], value[order]
         if columns.texts:
@@ -252,9 +254,12 @@ def _pack_columns(columns: Columns) -> bytes:
             texts = msgspec.msgpack.encode(moved)
     elif columns.texts:
         texts = msgspec.msgpack.encode(columns.texts)
-    ends = np.append(np.flatnonzero(channel[1:] != channel[:-1]) + 1, channel.size)
-    channels, counts = channel[ends - 1], ends.copy()
-    counts[1:] -= ends[:-1]
+    if is_single:
+        channels, counts = channel, np.ones(channel.size, np.int64)
+    else:
+        ends = np.append(np.flatnonzero(channel[1:] != channel[:-1]) + 1, channel.size)
+        channels, counts = channel[ends - 1], ends.copy()
+        counts[1:] -= ends[:-1]
     if channels.size < _MANY:
         version, configs = PACKED, (_TIMES, _VALUES)
         runs = channels.astype("<u2", copy=False).tobytes() + counts.astype("<u4").tobytes()

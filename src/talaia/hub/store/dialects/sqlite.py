@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import URL, Connection, Engine, Table
     from sqlalchemy.engine import Dialect as EngineDialect
-    from sqlalchemy.engine.interfaces import DBAPIConnection, DBAPICursor
+    from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Values
@@ -126,9 +126,7 @@ class SqliteDialect:
     ) -> None:
         """Run one prepared statement for all rows."""
         words = _insert_words(table, names, in_place)
-        # SQLAlchemy's own way takes longer than SQLite takes for a row.
-        with _translated(connection, words) as cursor:
-            cursor.executemany(words, rows)
+        _run_quickly(connection, words, rows)
 
     def fetch_columns(
         self, connection: Connection, query: Query, parameters: Mapping[str, int]
@@ -228,26 +226,27 @@ def _begin_accounts(connection: Connection) -> None:
 
 
 def _begin_writing(connection: Connection) -> None:
-    _begin_quickly(connection, "BEGIN IMMEDIATE")
+    _run_quickly(connection, "BEGIN IMMEDIATE")
 
 
 def _begin_reading(connection: Connection) -> None:
-    _begin_quickly(connection, "BEGIN")
+    _run_quickly(connection, "BEGIN")
 
 
-def _begin_quickly(connection: Connection, words: str) -> None:
-    # SQLAlchemy's own way to run a statement takes longer than SQLite takes to begin.
-    with _translated(connection, words) as cursor:
-        cursor.execute(words)
+def _run_quickly(
+    connection: Connection, words: str, rows: Sequence[Sequence[Any]] | None = None
+) -> None:
+    """Run a statement, for each row if there are any; errors are raised as SQLAlchemy's.
 
-
-@contextlib.contextmanager
-def _translated(connection: Connection, words: str) -> Iterator[DBAPICursor]:
-    """Give the driver's cursor; its errors are raised as SQLAlchemy's."""
+    SQLAlchemy's own way takes longer than SQLite takes to begin, or to write a row.
+    """
     cursor = connection.connection.cursor()
     errors = connection.dialect.loaded_dbapi.Error
     try:
-        yield cursor
+        if rows is None:
+            cursor.execute(words)
+        else:
+            cursor.executemany(words, rows)
     except errors as error:
         raise DBAPIError.instance(words, None, error, errors, dialect=connection.dialect) from error
     finally:
