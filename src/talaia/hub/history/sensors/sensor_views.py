@@ -8,7 +8,7 @@ import logging
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import bindparam, delete, func, insert, inspect, select, update
+from sqlalchemy import case, delete, func, insert, inspect, select, update
 
 from talaia.hub.history.sensors.view_sql import DropView, view_name, view_statement
 from talaia.hub.store import history_tables as tables
@@ -189,17 +189,16 @@ def show_sensors(
             together = len(gone) if dialect_of(connection).is_server else 1
             for at in range(0, len(gone), together):
                 connection.execute(DropView(*gone[at : at + together]))
-            for sensor in some:
-                name = names[sensor.address]
-                connection.exec_driver_sql(view_statement(connection.dialect, name, sensor))
+            statements = [
+                view_statement(connection.dialect, names[sensor.address], sensor) for sensor in some
+            ]
+            dialect_of(connection).run_statements(connection, statements)
+            made = {sensor.address: _made_of(sensor) for sensor in some}
+            # One statement: a row each would be an answer to wait for each.
             connection.execute(
                 update(_sensor)
-                .where(_sensor.c.site == bindparam("of"), _sensor.c.address == bindparam("which"))
-                .values(made_of=bindparam("made")),
-                [
-                    {"of": site, "which": sensor.address, "made": _made_of(sensor)}
-                    for sensor in some
-                ],
+                .where(_sensor.c.site == site, _sensor.c.address.in_(made))
+                .values(made_of=case(made, value=_sensor.c.address))
             )
     if wanted:
         _LOG.info("%d sensors of %s have their views", len(wanted), site)

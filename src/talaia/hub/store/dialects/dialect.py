@@ -132,6 +132,10 @@ class Dialect(Protocol):
         """
         ...
 
+    def run_statements(self, connection: Connection, statements: Sequence[str]) -> None:
+        """Run statements without parameters in their order, with as few answers to wait for."""
+        ...
+
     def fetch_columns(
         self, connection: Connection, query: Query, parameters: Mapping[str, int]
     ) -> Iterator[Values]:

@@ -133,6 +133,14 @@ class MariadbDialect:
         """Let the driver make one statement of all rows."""
         run_for_rows(connection, _insert_words(table, names, in_place), rows)
 
+    def run_statements(self, connection: Connection, statements: Sequence[str]) -> None:
+        """Make one compound statement of them, which MySQL knows in stored programs alone."""
+        if getattr(connection.dialect, "is_mariadb", False):
+            connection.exec_driver_sql(f"BEGIN NOT ATOMIC {'; '.join(statements)}; END")
+            return
+        for words in statements:
+            connection.exec_driver_sql(words)
+
     def fetch_columns(
         self, connection: Connection, query: Query, parameters: Mapping[str, int]
     ) -> Iterator[Values]:

@@ -124,6 +124,10 @@ class PostgresqlDialect:
         written = ",".join([f"({','.join(map(_sql_literal, row))})" for row in rows])
         connection.exec_driver_sql(f"{insert_head(table, names)}{written}{past}")
 
+    def run_statements(self, connection: Connection, statements: Sequence[str]) -> None:
+        """Send all at once: what has no parameters may be several statements."""
+        connection.exec_driver_sql("; ".join(statements))
+
     def fetch_columns(
         self, connection: Connection, query: Query, parameters: Mapping[str, int]
     ) -> Iterator[Values]:

@@ -128,6 +128,11 @@ class SqliteDialect:
         words = _insert_words(table, names, in_place)
         _run_quickly(connection, words, rows)
 
+    def run_statements(self, connection: Connection, statements: Sequence[str]) -> None:
+        """Run one after the other: nothing is waited for."""
+        for words in statements:
+            connection.exec_driver_sql(words)
+
     def fetch_columns(
         self, connection: Connection, query: Query, parameters: Mapping[str, int]
     ) -> Iterator[Values]:
