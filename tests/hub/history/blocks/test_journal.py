@@ -46,6 +46,22 @@ def test_what_is_packed_comes_back_channel_by_channel(rows, times, apart) -> Non
     assert of_channels(read_row(write_row(columns))) == of_channels(columns)
 
 
+@given(
+    st.sets(st.integers(0, 65_535), min_size=1, max_size=400),
+    st.dictionaries(st.integers(0, 399), st.text(st.characters(exclude_categories=["Cs"]))),
+)
+def test_a_sample_of_each_of_many_channels_comes_back(channels, texts) -> None:
+    columns = batch(
+        [
+            (channel, 10**15 + 7 * at, texts.get(at, channel / 3))
+            for at, channel in enumerate(sorted(channels))
+        ]
+    )
+    read = read_row(write_row(columns))
+    assert of_channels(read) == of_channels(columns)
+    assert read.channel.tolist() == sorted(channels)
+
+
 # As a row of the journal was packed that was made of three batches of forty samples before they
 # were put together as they are (version 4).
 MERGED_BEFORE = bytes.fromhex(

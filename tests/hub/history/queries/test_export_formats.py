@@ -22,7 +22,9 @@ from talaia.hub.history.errors import HistoryBusy
 from talaia.hub.history.queries.csv_file import write_csv
 from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
 from talaia.hub.history.queries.files import write_file
-from talaia.hub.history.queries.wide_table import Rows
+from talaia.hub.history.queries.sample_stream import SampleChunk
+from talaia.hub.history.queries.wide_table import Rows, join_channels
+from talaia.hub.history.queries.window import FARTHEST_US
 from talaia.wire.columns import Columns
 
 from ..conftest import SMALL, opened
@@ -200,6 +202,51 @@ def test_an_export_holds_what_went_in_for_any_order_of_times(some) -> None:
         asyncio.run(run(f"sqlite:///{Path(folder) / 'h.db'}"))
 
 
+async def test_a_long_export_holds_every_sample_of_its_blocks_and_of_memory_once(url) -> None:
+    """More blocks than are listed together, and after them what is in none yet."""
+    count = 32 * 300 + 7
+    time_us = START + np.arange(count) * SECOND
+    async with opened(url) as store:
+        for at in range(0, count, 400):
+            part = time_us[at : at + 400]
+            # Two signals of one message, and one that is read in between.
+            channel = np.tile(np.array([0, 2], np.uint16), part.size)
+            both = Columns(channel, np.repeat(part, 2), np.repeat(part % 977 / 8, 2), {})
+            await store.append_samples("agv", "b1", 2 * at, addresses=ADDRESSES, columns=both)
+            own = Columns(np.ones(part.size, np.uint16), part + 1, part % 31 / 2.0, {})
+            await store.append_samples("agv", "b2", at, addresses=ADDRESSES, columns=own)
+        columns = [ExportColumn(address) for address in ADDRESSES]
+        table = table_of(FileForm.PARQUET, await taken(store, columns, FileForm.PARQUET))
+    found = table.column("time").cast(pa.int64()).to_numpy()
+    np.testing.assert_array_equal(found, np.sort(np.concatenate([time_us, time_us + 1])))
+    for address, times, values in (
+        (ADDRESSES[0], time_us, time_us % 977 / 8),
+        (ADDRESSES[1], time_us + 1, time_us % 31 / 2.0),
+        (ADDRESSES[2], time_us, time_us % 977 / 8),
+    ):
+        column = table.column(address)
+        np.testing.assert_array_equal(found[np.asarray(column.is_valid())], times)
+        np.testing.assert_array_equal(column.drop_null().to_numpy(), values)
+
+
+times = st.lists(st.integers(0, 30), min_size=1, max_size=12).map(sorted)
+
+
+@given(st.lists(times, min_size=1, max_size=3), st.integers(0, 3), st.integers(1, 3))
+def test_channels_are_joined_by_time_wherever_their_times_are_in_memory(some, same, step) -> None:
+    arrays = [np.array(own, np.int64) for own in some]
+    # The very array again, and every second of its times, which begin at the same place.
+    arrays += [arrays[0]] * same + [arrays[0][::step]]
+    flows = [iter([SampleChunk(BlockSamples(own, own / 4, {}), FARTHEST_US + 1)]) for own in arrays]
+    joined = list(join_channels(flows))
+    for at, own in enumerate(arrays):
+        found = np.concatenate([rows.time_us[rows.places[at]] for rows in joined])
+        assert found.tolist() == own.tolist()
+        assert [v for rows in joined for v in rows.parts[at].value] == (own / 4).tolist()
+    most = {time: max(list(own).count(time) for own in arrays) for own in arrays for time in own}
+    assert sum(rows.time_us.size for rows in joined) == sum(most.values())
+
+
 async def test_what_is_shown_can_be_taken_away_too(url) -> None:
     value = np.sin(np.arange(3_000) / 100)
     columns = Columns(np.zeros(3_000, np.uint16), START + np.arange(3_000) * SECOND, value, {})
@@ -303,6 +350,22 @@ def test_numbers_that_repeat_are_listed_and_others_are_not_in_a_parquet_file() -
     assert "DELTA_BINARY_PACKED" in held["time"]
     # Two bytes or less for a number of three digits, and little more than eight for any.
     assert len(body) < 12 * size
+
+
+def test_of_a_channel_that_says_little_the_first_numbers_tell_whether_they_repeat() -> None:
+    """They are spread over many rows, of which the first have none."""
+    count = 300_000
+    places = np.arange(100_000, count, 4)
+    few = BlockSamples(places, (places // 4 % 10) / 10, {})
+    other = BlockSamples(np.arange(count), np.random.default_rng(1).normal(size=count), {})
+    rows = Rows(np.arange(count), [places, np.arange(count)], [few, other])
+    columns = [ExportColumn("a/few"), ExportColumn("a/noise")]
+    body = b"".join(write_file(FileForm.PARQUET, columns, iter([rows])))
+    group = pa.parquet.read_metadata(io.BytesIO(body)).row_group(0)
+    assert "RLE_DICTIONARY" in group.column(1).encodings
+    assert "RLE_DICTIONARY" not in group.column(2).encodings
+    table = pa.parquet.read_table(io.BytesIO(body))
+    assert table.column("a/few").drop_null().to_pylist() == few.value.tolist()
 
 
 def test_a_parquet_file_of_nothing_has_its_columns() -> None:

@@ -194,6 +194,32 @@ async def test_hostile_names_are_only_names(url, sql) -> None:
     assert (row["sensor"], row["unit"]) == (HOSTILE, HOSTILE[:50])
 
 
+async def test_views_that_are_made_together_are_each_of_its_own_sensor(url, sql) -> None:
+    """More than one turn of them; what one is made of is not another's."""
+    signals = {f"s{at}": number(f"{HOSTILE}; END; {at}", unit="%s;") for at in range(60)}
+    async with opened(url) as store:
+        await store.describe_site(site_of(**signals))
+        await store.wait_for_views()
+        made = sql("SELECT address, made_of FROM history_sensor")
+        assert len({row["made_of"] for row in made} - {""}) == 60
+        for at in range(60):
+            address, sample = [f"base/s{at}"], batch([(0, START, at / 2)])
+            await store.append_samples("agv", "b1", at, addresses=address, columns=sample)
+        await store.write_plain_rows()
+        for at in range(60):
+            (row,) = sql(f"SELECT * FROM sensor_agv_base_s{at}")  # noqa: S608
+            assert (row["sensor"], row["value"]) == (f"{HOSTILE}; END; {at}", at / 2)
+        # One that is called otherwise has its view made anew, and no other has.
+        signals["s7"] = number("Seven")
+        await store.describe_site(site_of(**signals))
+        await store.wait_for_views()
+        anew = sql("SELECT address, made_of FROM history_sensor")
+        before = {row["address"]: row["made_of"] for row in made}
+        changed = [row["address"] for row in anew if row["made_of"] != before[row["address"]]]
+        assert changed == ["base/s7"]
+        assert sql("SELECT sensor FROM sensor_agv_base_s7") == [{"sensor": "Seven"}]
+
+
 async def test_a_renamed_or_removed_sensor_keeps_its_view_and_its_history(url, sql) -> None:
     async with opened(url) as store:
         await store.describe_site(site_of(speed=number("Old name"), gone=number()))
