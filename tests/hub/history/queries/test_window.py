@@ -71,6 +71,7 @@ def test_blocks_of_a_window_are_those_that_overlap_it(url) -> None:
             after, seen = (-(2**63), 0), []
             while rows := blocks_behind(connection, window, after, 7):
                 seen += [row.id for row in rows]
+                assert len(seen) <= len(ids)
                 after = (rows[-1].first_us, rows[-1].id)
             assert seen == ids
             middle = (window.from_us + window.to_us) // 2
