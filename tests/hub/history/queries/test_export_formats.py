@@ -232,7 +232,7 @@ async def test_a_long_export_holds_every_sample_of_its_blocks_and_of_memory_once
 times = st.lists(st.integers(0, 30), min_size=1, max_size=12).map(sorted)
 
 
-@given(st.lists(times, max_size=3), st.integers(0, 3), st.integers(0, 6))
+@given(st.lists(times, max_size=3), st.integers(0, 3), st.integers(1, 6))
 def test_channels_are_joined_by_time_wherever_their_times_are_in_memory(some, same, half) -> None:
     # Two of one size that begin at the same place; and the very array again.
     long = np.arange(2 * half)
