@@ -18,6 +18,7 @@ from talaia.hub.sharding.own_shard import OwnShard
 from talaia.hub.sharding.plan import WholeShard
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.shard_handover import ShardHandover
 from talaia.hub.store.lead.hub_plan import agree_on_plan
 
 if TYPE_CHECKING:
@@ -72,7 +73,12 @@ class Core:
         self.database = Database(settings.url, on_connect=self.on_connect, shares_turn=divided)
         self.shard: Shard = WholeShard()
         if seat is not None and divided:
-            self.shard = OwnShard(seat.shard, seat.plan, HistoryHomes(self.database))
+            self.shard = OwnShard(
+                seat.shard,
+                seat.plan,
+                HistoryHomes(self.database),
+                ShardHandover(self.database),
+            )
         self.sites = Sites()
         self.known_sites: DescribedSites = self.sites
         if self.shard.is_main and not self.shard.is_whole:

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.history.errors import HistoryAway, HistoryError
 from talaia.hub.history.servers.history_server import STILL_S, HistoryServer
 from talaia.hub.history.servers.late_descriptions import LateDescriptions
+from talaia.hub.history.servers.shard_holds import ShardHolds
+from talaia.hub.history.servers.shard_move import ShardArrivals
+from talaia.hub.history.servers.site_move import GATE_S
 from talaia.hub.history.servers.site_moves import SiteMoves
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
         AsyncGenerator,
         AsyncIterator,
         Awaitable,
+        Callable,
         Collection,
         Mapping,
         Sequence,
@@ -42,16 +46,34 @@ if TYPE_CHECKING:
     from talaia.hub.history.storage import Storage
     from talaia.hub.history.store import HistoryStore
     from talaia.hub.store.history_servers.history_homes import HistoryHomes
+    from talaia.hub.store.history_servers.shard_handover import ShardHandover
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["HistoryServers"]
+__all__ = ["HistoryServers", "Passage"]
 
 ResultT = TypeVar("ResultT")
 # Between two looks at servers that are away, and at moves that were asked for (s).
 _LOOK_S = 2.0
 # A gateway's hello waits so long for a server that stands still (s).
 _PATIENCE_S = 3.0
+
+
+class Passage(NamedTuple):
+    """What a shard's lead needs for sites that go to other shards, or come.
+
+    Attributes:
+        handover: what the leads of two shards say to each other.
+        own_url: of the accounts' database, which has histories as well.
+        begin_anew: lets this lead close and open again, with the sites that it has by then.
+        gate_s: a site is held so long at the most.
+
+    """
+
+    handover: ShardHandover
+    own_url: str
+    begin_anew: Callable[[], None]
+    gate_s: float = GATE_S
 
 
 class HistoryServers:
@@ -73,6 +95,7 @@ class HistoryServers:
         limits: HistoryLimits,
         still_s: float = STILL_S,
         shard: str | None = None,
+        passage: Passage | None = None,
     ) -> None:
         """Have ``own``, the hub's own database, and those that are ``named``.
 
@@ -84,6 +107,7 @@ class HistoryServers:
             limits: of each of them.
             still_s: one that does not answer for so long is away.
             shard: have this one's servers alone; none: have all.
+            passage: by which sites go to other shards, and come; none: they do not.
 
         Raises:
             HistoryError: a URL cannot be read, or its driver is not installed.
@@ -99,7 +123,18 @@ class HistoryServers:
         # Which of them has which site.
         self.places = SitePlaces(own, self._servers, named, homes, shard=shard)
         self.descriptions = LateDescriptions(self.places)
-        self._moves = SiteMoves(self.places, self.descriptions, homes)
+        self._passage, arrivals = passage, None
+        if passage is not None:
+            arrivals = ShardArrivals(
+                self.places,
+                self.descriptions,
+                homes,
+                handover=passage.handover,
+                named=named,
+                own_url=passage.own_url,
+                begin_anew=passage.begin_anew,
+            )
+        self._moves = SiteMoves(self.places, self.descriptions, homes, arrivals)
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -111,6 +146,11 @@ class HistoryServers:
         """
         if self._own is not None:
             await self._own.open()
+        if self._passage is not None:
+            # Before anything is written: what the lead of before held is held no more, unless it
+            # has gone by now.
+            held = [*self._servers] if self._own is None else [OWN, *self._servers]
+            await self._passage.handover.end_holds(held)
         for home in await self._homes.list_homes():
             for name in filter(None, (home.server, home.moving_to, home.erase_at)):
                 if name != OWN and name not in self._named.servers:
@@ -137,6 +177,15 @@ class HistoryServers:
             for server in self._servers.values():
                 group.create_task(self._keep_server(server), name=f"keep {server.name}")
             group.create_task(self._keep_moving(), name="move sites")
+            if self._passage is not None:
+                holds = ShardHolds(
+                    self.places,
+                    self._homes,
+                    self._passage.handover,
+                    begin_anew=self._passage.begin_anew,
+                    gate_s=self._passage.gate_s,
+                )
+                group.create_task(holds.run(), name="answer other shards")
 
     async def mend_servers(self) -> None:
         """Open servers that have come back, and describe to them what came meanwhile."""

@@ -52,6 +52,8 @@ class SitePlaces:
         self.home_of: dict[str, str] = {}
         # Sites of which nothing is written for a moment, each with what is set when it goes on.
         self._gates: dict[str, asyncio.Event] = {}
+        # Sites that another lead may have by now: nothing of them is written before it is known.
+        self._shut: set[str] = set()
         # Descriptions and new names of a site come one after the other, and not within a move.
         self._describing: dict[str, asyncio.Lock] = {}
         # Who reads a site on a server now: what is there is not erased meanwhile.
@@ -115,11 +117,19 @@ class SitePlaces:
         return self.home_of.setdefault(site, found.server)
 
     async def writing_store(self, site: str) -> HistoryStore:
-        """Give where a site is written; nothing may be awaited until something is asked of it."""
+        """Give where a site is written; nothing may be awaited until something is asked of it.
+
+        Raises:
+            HistoryAway: it is away, or another shard's.
+            StoreDown: the accounts' database does not answer.
+
+        """
         while True:
             home = await self.find_home(site)
             gate = self._gates.get(site)
             if gate is None:
+                if site in self._shut:
+                    raise HistoryAway(f"the history of {site} goes to another shard", "come again")
                 return self.store_named(home)
             await gate.wait()
 
@@ -167,7 +177,15 @@ class SitePlaces:
 
     def is_held(self, site: str) -> bool:
         """Tell whether nothing of a site is written at present."""
-        return site in self._gates
+        return site in self._gates or site in self._shut
+
+    def shut_site(self, site: str) -> None:
+        """Write nothing of a site any more, whatever becomes of who holds it."""
+        self._shut.add(site)
+
+    def unshut_site(self, site: str) -> None:
+        """Write a site again: it is known whose it is."""
+        self._shut.discard(site)
 
     @asynccontextmanager
     async def hold_writes(self, site: str) -> AsyncIterator[None]:
