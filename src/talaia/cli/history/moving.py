@@ -68,25 +68,15 @@ async def move_history(
 
     Raises:
         HubError: the database cannot be opened.
-        CliError: there is no such site, or a hub runs and it is to change its shard.
+        CliError: there is no such site.
 
     """
-    async with open_migrated(settings.url) as database, contextlib.AsyncExitStack() as held:
+    async with open_migrated(settings.url) as database:
         homes = HistoryHomes(database)
         known = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
         before = await homes.find_home(site)
         if site not in known and before is None:
             raise CliError(f"there is no site {site!r}; talaia history list names them")
-        found = OWN if before is None else before.server
-        plan = await _read_plan(database)
-        crosses = plan.shard_of_server(found) != plan.shard_of_server(server)
-        # Hubs know where a site is led for as long as they run; it changes while none does.
-        free = _without_hubs(settings, database, wait_s)
-        if crosses and not await held.enter_async_context(free):
-            raise CliError(
-                f"{server!r} is of another shard than {found!r}, where {site} is: a site changes"
-                " its shard only while no hub runs; end all hubs, then run this again"
-            )
         asked = await homes.ask_move(site, server, own=OWN)
         if before is None or before.moving_to != asked.moving_to:
             said = f"the history of {site} from {asked.server} to {server}"
@@ -99,10 +89,7 @@ async def move_history(
             if (now := _line_of(home)) != line:
                 line = now
                 tell(line)
-            if crosses:
-                await _move_once(settings, database)
-            else:
-                await _move_here(settings, database)
+            await _move_here(settings, database, wait_s)
             await asyncio.sleep(_LOOK_S)
     tell(f"{site}: {server}")
 
@@ -112,9 +99,9 @@ async def _read_plan(database: Database) -> ShardPlan:
     return ShardPlan(tuple(await read_shards(database)))
 
 
-async def _move_here(settings: Settings, database: Database) -> None:
-    """Do it where no hub runs; else the hub does."""
-    async with _without_hubs(settings, database, WAIT_S) as alone:
+async def _move_here(settings: Settings, database: Database, wait_s: float) -> None:
+    """Do it where no hub runs; else the hubs do."""
+    async with _without_hubs(settings, database, wait_s) as alone:
         if alone:
             await _move_once(settings, database)
 
@@ -156,6 +143,8 @@ def _line_of(home: HistoryHome) -> str:
         said += f", on its way to {home.moving_to}"
         if home.all_blocks:
             said += f": {home.done_blocks} of {home.all_blocks} blocks"
+    elif home.led_by:
+        said += ", its shard changes"
     elif home.erase_at:
         said += f", what was left at {home.erase_at} is being erased"
     return f"{said}; it waits: {home.problem}" if home.problem else said

@@ -105,6 +105,9 @@ class ShardHolds:
                 # Of a hold that was broken off here.
                 self._places.shut_site(home.site)
                 await self._end_hold(home)
+            case _:
+                # What it has answered: the other lead goes on.
+                pass
 
     async def _hold_site(self, home: HistoryHome) -> None:
         site = home.site

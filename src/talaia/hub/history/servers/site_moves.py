@@ -54,7 +54,7 @@ class SiteMoves:
 
     async def _go_on(self, home: HistoryHome) -> None:
         """Do what this lead can do of a move: where it has the places that it needs."""
-        if home.led_by:
+        if home.led_by and self._arrivals is not None:
             # Two leads are about to close and to open again.
             return
         has = self._places.has_server

@@ -1,0 +1,139 @@
+"""A site goes to another shard while hubs run: what was acknowledged is there, and there once."""
+
+# ruff: noqa: D107
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+from typing import TYPE_CHECKING
+
+import pytest
+import websockets
+from async_program import start_program
+from patience import PATIENCE_S, until_answered
+
+from talaia.wire.browser import SiteUpdate
+from talaia.wire.frames import Ack
+
+from .conftest import DESCRIPTION
+from .several_hubs import sites_stored_in
+from .test_cluster_run import ROW_US, STEP, stored_values
+from .test_sharded_hubs import drive, three_hubs, urls  # noqa: F401 - a fixture
+
+if TYPE_CHECKING:
+    from .several_hubs import Hubs, OneHub
+
+MOON = DESCRIPTION.replace("site: agv", "site: moon")
+
+
+class SteadyGateway:
+    """A gateway that sends without a pause, dials again, and sends again what is not stored."""
+
+    def __init__(self, hubs: Hubs, hub: OneHub, *, key: str = "", site: str = "agv") -> None:
+        self.acked = 0
+        # The longest that nothing was acknowledged (s).
+        self.longest_s = 0.0
+        self._hubs, self._hub, self._key, self._site = hubs, hub, key, site
+        self._last_s = asyncio.get_running_loop().time()
+        self.link = None
+        self._ended = False
+        self._running = asyncio.create_task(self._run())
+
+    async def until_acked(self, more: int) -> None:
+        """Wait until so many more samples are stored than now."""
+        wanted = self.acked + more
+
+        async def is_acked() -> bool:
+            if self._running.done():
+                await self._running
+            return self.acked >= wanted
+
+        await until_answered(is_acked)
+
+    async def end(self) -> int:
+        """Send no more; give how many are stored."""
+        self._ended = True
+        await asyncio.wait_for(self._running, PATIENCE_S)
+        return self.acked
+
+    async def _run(self) -> None:
+        while not self._ended:
+            await until_answered(self._dial)
+            # Whatever is under way as the link is lost is sent again.
+            with contextlib.suppress(AssertionError, websockets.ConnectionClosed):
+                await self._send()
+
+    async def _dial(self) -> bool:
+        try:
+            link = await self._hubs.gateway(self._hub, self._key)
+            link.acked = self.acked
+            description = DESCRIPTION.replace("site: agv", f"site: {self._site}")
+            stored = (await link.hello(description, site=self._site)).acked
+        except (OSError, websockets.WebSocketException, AssertionError):
+            return False
+        # What it was told to be stored is.
+        assert stored >= self.acked
+        self.link, self.acked = link, stored
+        return True
+
+    async def _send(self) -> None:
+        while not self._ended:
+            first = self.acked
+            rows = [
+                ("power/voltage", ROW_US + number * 1000, float(number))
+                for number in range(first, first + STEP)
+            ]
+            await self.link.samples(*rows, first=first)
+            await self.link.hear(Ack, lambda ack, past=first + STEP: ack.below >= past)
+            self.acked = first + STEP
+            now_s = asyncio.get_running_loop().time()
+            self.longest_s = max(self.longest_s, now_s - self._last_s)
+            self._last_s = now_s
+
+
+async def move(hubs: Hubs, hub: OneHub, server: str) -> list[str]:
+    """Ask for the move of `agv` as an operator does; give what the command says."""
+    command = await start_program(
+        *("-m", "talaia", "history", "move", "agv", "--to", server),
+        *("--data", str(hub.folder)),
+        *("--history-servers", str(hub.folder.parent / "servers.yaml")),
+        with_errors=True,
+        TALAIA_DATABASE_URL=hubs.url,
+    )
+    said, errors = await asyncio.wait_for(command.communicate(), PATIENCE_S)
+    assert command.returncode == 0, errors.decode()
+    return said.decode().splitlines()
+
+
+@pytest.mark.timeout(600)
+async def test_a_site_goes_to_another_shard_and_back_while_it_is_written(tmp_path, urls) -> None:  # noqa: F811
+    async with three_hubs(urls, tmp_path) as (hubs, main, _, spare):
+        moon_key = await hubs.enrol(spare, "moon")
+        agv = SteadyGateway(hubs, spare)
+        moon = SteadyGateway(hubs, main, key=moon_key, site="moon")
+        await agv.until_acked(1_000)
+        await moon.until_acked(1_000)
+        for server, there, elsewhere in (
+            ("own", urls[0], urls[1]),
+            ("east", urls[1], urls[0]),
+        ):
+            agv.longest_s = moon.longest_s = 0.0
+            said = await move(hubs, spare, server)
+            print(said)
+            assert said[-1] == f"agv: {server}"
+            await agv.until_acked(500)
+            await moon.until_acked(500)
+            assert "agv" in sites_stored_in(there)
+            assert "agv" not in sites_stored_in(elsewhere)
+            print(f"nothing acknowledged: agv {agv.longest_s:.2f} s, moon {moon.longest_s:.2f} s")
+            page = await hubs.page(spare)
+            await page.hear(SiteUpdate, lambda told: told.site == "agv" and told.online)
+            await drive(page, agv.link, "agv")
+            await page.close()
+        past = await agv.end()
+        await moon.end()
+        for hub in hubs.all:
+            found = await stored_values(hubs, hub, past - 1)
+            assert found == [float(number) for number in range(past)]
+        assert (await hubs.get(spare, "/api/audit/verify")).json()["ok"]
