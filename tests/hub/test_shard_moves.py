@@ -5,26 +5,28 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import itertools
+import signal
 from typing import TYPE_CHECKING
 
 import pytest
+import sqlalchemy as sa
 import websockets
 from async_program import start_program
 from patience import PATIENCE_S, until_answered
 
+from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.history_servers.home_tables import history_homes
+from talaia.hub.store.history_servers.shard_handover import HoldWord, word_of
 from talaia.wire.browser import SiteUpdate
 from talaia.wire.frames import Ack
 
 from .conftest import DESCRIPTION
 from .several_hubs import sites_stored_in
 from .test_cluster_run import ROW_US, STEP, stored_values
-from .test_sharded_hubs import drive, three_hubs, urls  # noqa: F401 - a fixture
+from .test_sharded_hubs import drive, leader_of, three_hubs, urls  # noqa: F401 - a fixture
 
 if TYPE_CHECKING:
     from .several_hubs import Hubs, OneHub
-
-MOON = DESCRIPTION.replace("site: agv", "site: moon")
 
 
 class SteadyGateway:
@@ -34,7 +36,9 @@ class SteadyGateway:
         self.acked = 0
         # The longest that nothing was acknowledged (s).
         self.longest_s = 0.0
-        self._hubs, self._hub, self._key, self._site = hubs, hub, key, site
+        self._hubs, self._key, self._site = hubs, key, site
+        # Where it dials.
+        self.hub = hub
         self._last_s = asyncio.get_running_loop().time()
         self.link = None
         self._ended = False
@@ -66,7 +70,7 @@ class SteadyGateway:
 
     async def _dial(self) -> bool:
         try:
-            link = await self._hubs.gateway(self._hub, self._key)
+            link = await self._hubs.gateway(self.hub, self._key)
             link.acked = self.acked
             description = DESCRIPTION.replace("site: agv", f"site: {self._site}")
             stored = (await link.hello(description, site=self._site)).acked
@@ -120,13 +124,11 @@ async def test_a_site_goes_to_another_shard_and_back_while_it_is_written(tmp_pat
         ):
             agv.longest_s = moon.longest_s = 0.0
             said = await move(hubs, spare, server)
-            print(said)
             assert said[-1] == f"agv: {server}"
             await agv.until_acked(500)
             await moon.until_acked(500)
             assert "agv" in sites_stored_in(there)
             assert "agv" not in sites_stored_in(elsewhere)
-            print(f"nothing acknowledged: agv {agv.longest_s:.2f} s, moon {moon.longest_s:.2f} s")
             page = await hubs.page(spare)
             await page.hear(SiteUpdate, lambda told: told.site == "agv" and told.online)
             await drive(page, agv.link, "agv")
@@ -137,3 +139,83 @@ async def test_a_site_goes_to_another_shard_and_back_while_it_is_written(tmp_pat
             found = await stored_values(hubs, hub, past - 1)
             assert found == [float(number) for number in range(past)]
         assert (await hubs.get(spare, "/api/audit/verify")).json()["ok"]
+
+
+class Row:
+    """The row that says where the site is, as it stands from moment to moment."""
+
+    def __init__(self, url: str) -> None:
+        self._engine = sa.create_engine(parse_database_url(url, blocking=True).url)
+
+    def close(self) -> None:
+        self._engine.dispose()
+
+    async def until(self, fits) -> sa.Row:
+        """Look without a pause until it stands as wanted."""
+        async with asyncio.timeout(PATIENCE_S):
+            while not fits(row := await asyncio.to_thread(self._read)):
+                pass
+        return row
+
+    def _read(self) -> sa.Row:
+        with self._engine.connect() as connection:
+            return connection.execute(
+                sa.select(history_homes).where(history_homes.c.site == "agv")
+            ).one()
+
+
+def is_held(row: sa.Row) -> bool:
+    return word_of(row.hold) == HoldWord.HELD
+
+
+async def until_held(row: Row, hubs: Hubs, asked: OneHub, to: str) -> asyncio.Task:
+    """Ask for a move, and come back in the moment in which nothing of the site is written."""
+    moving = asyncio.create_task(move(hubs, asked, to))
+    await row.until(is_held)
+    return moving
+
+
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("urls", ["postgresql"], indirect=True)
+async def test_whichever_lead_is_killed_within_the_hold_nothing_is_lost_or_twice(
+    tmp_path,
+    urls,  # noqa: F811
+) -> None:
+    async with three_hubs(urls, tmp_path) as (hubs, main, east, spare):
+        row = Row(urls[0])
+        agv = SteadyGateway(hubs, spare)
+        await agv.until_acked(1_000)
+        # The lead that it comes from dies, while the other one stands still in the middle of the
+        # last copy: a new one writes the site again, so that copy must not become the site.
+        moving = await until_held(row, hubs, spare, "own")
+        main.signal(signal.SIGSTOP)
+        east.signal(signal.SIGKILL)
+        found = await row.until(lambda found: not is_held(found))
+        await agv.until_acked(100)
+        main.signal(signal.SIGCONT)
+        assert found.server == "east"
+        assert (await moving)[-1] == "agv: own"
+        await agv.until_acked(500)
+        # The lead that it goes to dies: the other one goes on with it.
+        agv.hub = await hubs.add("d", "--history-servers", str(tmp_path / "servers.yaml"))
+        await agv.hub.until_ready()
+        target = leader_of(hubs, "east")
+        moving = await until_held(row, hubs, agv.hub, "east")
+        target.signal(signal.SIGKILL)
+        assert (await moving)[-1] == "agv: east"
+        await agv.until_acked(500)
+        # Both die between the commit by which the site is elsewhere and their beginning anew: it is
+        # nobody's until one hub has both shards.
+        agv.hub = await hubs.add("e", "--history-servers", str(tmp_path / "servers.yaml"))
+        await agv.hub.until_ready()
+        moving = asyncio.create_task(move(hubs, agv.hub, "own"))
+        await row.until(lambda found: found.led_by)
+        for hub in hubs.all:
+            if hub is not agv.hub and hub.process.returncode is None:
+                hub.signal(signal.SIGKILL)
+        assert (await moving)[-1] == "agv: own"
+        await agv.until_acked(500)
+        past = await agv.end()
+        found = await stored_values(hubs, agv.hub, past - 1)
+        assert found == [float(number) for number in range(past)]
+        row.close()

@@ -6,6 +6,8 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from sqlalchemy.exc import OperationalError
+
 from talaia.hub.auth.resume_tokens import ResumeTokens
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.live.pages.fanout import Fanout
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping, Sequence
 
     from fastapi import APIRouter
+    from sqlalchemy.engine.interfaces import DBAPIConnection
 
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
@@ -68,7 +71,8 @@ class Core:
         self.clock = clock
         # Checks the URL and connects to nothing yet.
         self.seat = seat
-        self.on_connect = None if seat is None else seat.check_connection
+        self.on_connect = None if seat is None else self._check_connection
+        self._closed = False
         divided = seat is not None and bool(seat.plan.names)
         self.database = Database(settings.url, on_connect=self.on_connect, shares_turn=divided)
         self.shard: Shard = WholeShard()
@@ -124,8 +128,17 @@ class Core:
 
     async def close(self) -> None:
         """Close the database."""
+        # Another hub of this process may lead after this one: whatever is left of this writes
+        # nothing any more.
+        self._closed = True
         self.fanout.watched.close()
         await self.database.close()
+
+    def _check_connection(self, connection: DBAPIConnection, record: object) -> None:
+        if self._closed:
+            raise OperationalError("connect", None, ConnectionError("this hub is closed"))
+        if self.seat is not None:
+            self.seat.check_connection(connection, record)
 
 
 @dataclass(frozen=True, kw_only=True)

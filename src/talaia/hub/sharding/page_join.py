@@ -101,9 +101,7 @@ class _JoinedPage:
         # By shard, while it has let the page in.
         self._open: dict[str, ShardSocket] = {}
         self._subscriptions = PageSubscriptions()
-        self._news = PageNews(
-            join.known, self._subscriptions, join.apps, site_came=self._lead_site
-        )
+        self._news = PageNews(join.known, self._subscriptions, join.apps, site_came=self._lead_site)
         self._pongs = KeptPongs(join.clock)
         self._asked = AskedSites(join.shard_of, self._hand_up, limit_reached=self._drop)
         # By shard: has a socket there.

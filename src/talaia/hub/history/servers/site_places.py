@@ -10,7 +10,7 @@ from collections import Counter
 from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING
 
-from talaia.hub.history.errors import HistoryAway
+from talaia.hub.history.errors import HistoryAway, HistoryElsewhere
 from talaia.hub.sharding.plan import MAIN
 from talaia.hub.store.history_servers.home_tables import OWN
 
@@ -72,7 +72,8 @@ class SitePlaces:
             return self._own
         if name not in self._servers:
             shard = self._named.plan.shard_of_server(name)
-            raise HistoryAway(f"histories on {name!r} are of the shard {shard!r}", "ask its lead")
+            said = f"histories on {name!r} are of the shard {shard!r}"
+            raise HistoryElsewhere(said, "ask its lead")
         return self._servers[name].use_store()
 
     def has_server(self, name: str) -> bool:
@@ -113,7 +114,7 @@ class SitePlaces:
     async def _ask_home(self, site: str) -> str:
         found = await self._homes.find_home(site)
         if found is None:
-            raise HistoryAway(f"{site} is of the shard {MAIN!r}", "ask its lead")
+            raise HistoryElsewhere(f"{site} is of the shard {MAIN!r}", "ask its lead")
         return self.home_of.setdefault(site, found.server)
 
     async def writing_store(self, site: str) -> HistoryStore:
@@ -129,7 +130,8 @@ class SitePlaces:
             gate = self._gates.get(site)
             if gate is None:
                 if site in self._shut:
-                    raise HistoryAway(f"the history of {site} goes to another shard", "come again")
+                    said = f"the history of {site} goes to another shard"
+                    raise HistoryElsewhere(said, "come again")
                 return self.store_named(home)
             await gate.wait()
 
