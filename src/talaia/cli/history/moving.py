@@ -82,14 +82,19 @@ async def move_history(
             said = f"the history of {site} from {asked.server} to {server}"
             await append_audit_record(database, "history moved", said, site)
         line = ""
-        while True:
-            home = await homes.find_home(site)
-            if home is None or not (home.moving_to or home.erase_at):
-                break
-            if (now := _line_of(home)) != line:
-                line = now
-                tell(line)
-            await _move_here(settings, database, wait_s)
+        while await _find_move(homes, site):
+            # Where no hub runs, none begins before it is done; else the hubs do it.
+            async with _without_hubs(settings, database, wait_s) as alone:
+                while home := await _find_move(homes, site):
+                    if (now := _line_of(home)) != line:
+                        line = now
+                        tell(line)
+                    if not alone:
+                        break
+                    await _move_once(settings, database)
+                    await asyncio.sleep(_LOOK_S)
+            # Whoever is about to end has ended: a lock that is free now is another hub's to take.
+            wait_s = 0.0
             await asyncio.sleep(_LOOK_S)
     tell(f"{site}: {server}")
 
@@ -99,11 +104,10 @@ async def _read_plan(database: Database) -> ShardPlan:
     return ShardPlan(tuple(await read_shards(database)))
 
 
-async def _move_here(settings: Settings, database: Database, wait_s: float) -> None:
-    """Do it where no hub runs; else the hubs do."""
-    async with _without_hubs(settings, database, wait_s) as alone:
-        if alone:
-            await _move_once(settings, database)
+async def _find_move(homes: HistoryHomes, site: str) -> HistoryHome | None:
+    """Give a site's row while something is to be done of its move."""
+    home = await homes.find_home(site)
+    return home if home is not None and (home.moving_to or home.erase_at) else None
 
 
 async def _move_once(settings: Settings, database: Database) -> None:
