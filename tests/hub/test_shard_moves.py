@@ -17,7 +17,7 @@ from patience import PATIENCE_S, until_answered
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.history_servers.home_tables import history_homes
 from talaia.hub.store.history_servers.shard_handover import HoldWord, word_of
-from talaia.wire.browser import SiteUpdate
+from talaia.wire.browser import SiteUpdate, Subscribe, Values
 from talaia.wire.frames import Ack
 
 from .conftest import DESCRIPTION
@@ -26,6 +26,7 @@ from .test_cluster_run import ROW_US, STEP, stored_values
 from .test_sharded_hubs import drive, leader_of, three_hubs, urls  # noqa: F401 - a fixture
 
 if TYPE_CHECKING:
+    from .conftest import Peer
     from .several_hubs import Hubs, OneHub
 
 
@@ -118,6 +119,7 @@ async def test_a_site_goes_to_another_shard_and_back_while_it_is_written(tmp_pat
         moon = SteadyGateway(hubs, main, key=moon_key, site="moon")
         await agv.until_acked(1_000)
         await moon.until_acked(1_000)
+        pages = [await looking_page(hubs, hub) for hub in hubs.all]
         for server, there, elsewhere in (
             ("own", urls[0], urls[1]),
             ("east", urls[1], urls[0]),
@@ -127,6 +129,10 @@ async def test_a_site_goes_to_another_shard_and_back_while_it_is_written(tmp_pat
             assert said[-1] == f"agv: {server}"
             await agv.until_acked(500)
             await moon.until_acked(500)
+            # Pages stay, and see both sites again without asking anew.
+            for page in pages:
+                for sub, gateway in ((1, agv), (2, moon)):
+                    await sees_new(page, sub, gateway)
             assert "agv" in sites_stored_in(there)
             assert "agv" not in sites_stored_in(elsewhere)
             page = await hubs.page(spare)
@@ -139,6 +145,21 @@ async def test_a_site_goes_to_another_shard_and_back_while_it_is_written(tmp_pat
             found = await stored_values(hubs, hub, past - 1)
             assert found == [float(number) for number in range(past)]
         assert (await hubs.get(spare, "/api/audit/verify")).json()["ok"]
+
+
+async def looking_page(hubs: Hubs, hub: OneHub) -> Peer:
+    """Open a page that looks at both sites."""
+    page = await hubs.page(hub)
+    for sub, site in ((1, "agv"), (2, "moon")):
+        await page.say(Subscribe(sub=sub, site=site, channels=["power/voltage"], every_ms=0))
+        await page.hear(Values, lambda told, sub=sub: told.sub == sub)
+    return page
+
+
+async def sees_new(page: Peer, sub: int, gateway: SteadyGateway) -> None:
+    """Wait for a value that was not there yet when this was asked."""
+    past_us = ROW_US + gateway.acked * 1000
+    await page.hear(Values, lambda told: told.sub == sub and told.base_us > past_us)
 
 
 class Row:

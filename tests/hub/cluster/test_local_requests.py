@@ -71,7 +71,7 @@ async def test_an_application_that_hears_nothing_is_ended() -> None:
     await asyncio.wait_for(asker.let_in.wait(), PATIENCE_S)
     await requests.end_all()
     await asyncio.wait_for(serving, PATIENCE_S)
-    assert [message["type"] for message in asker.told] == ["websocket.accept"]
+    assert [message["type"] for message in asker.told] == ["websocket.accept", "websocket.close"]
 
 
 async def test_a_request_is_answered_though_all_end_meanwhile() -> None:
