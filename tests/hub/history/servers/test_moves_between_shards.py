@@ -6,12 +6,13 @@ import contextlib
 from contextlib import asynccontextmanager
 
 import pytest
-from patience import LOOK_S, PATIENCE_S, lasts_for, until_answered
+from patience import PATIENCE_S, until_answered
 
 from talaia.clock import SystemClock
 from talaia.hub.history.errors import HistoryAway, HistoryElsewhere
-from talaia.hub.history.servers.history_servers import HistoryServers, Passage
+from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.history.servers.server_file import HistoryServersFile
+from talaia.hub.history.servers.shard_passage import ShardPassage
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.sharding.own_shard import OwnShard
 from talaia.hub.sharding.plan import MAIN
@@ -20,8 +21,9 @@ from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.hub.store.history_servers.shard_handover import HoldWord, ShardHandover, word_of
 
+from ..samples import ALL, rows_of, wanted
 from .conftest import TINY
-from .samples_sent import assert_whole, send
+from .samples_sent import ADDRESSES, assert_whole, rows_between, send
 
 
 class Lead:
@@ -44,12 +46,12 @@ class Leads:
         self.handover = ShardHandover(self.database)
 
     @asynccontextmanager
-    async def opened(self, shard, gate_s=PATIENCE_S, *, runs=True):
+    async def opened(self, shard, *, gate_s=PATIENCE_S, answer_s=PATIENCE_S, runs=True):
         """Be a lead from its beginning to its end."""
         await OwnShard(shard, self.named.plan, self.homes, self.handover).open()
         lead = Lead(None)
         own = HistoryStore(self.url, SystemClock(), TINY) if shard == MAIN else None
-        passage = Passage(self.handover, self.url, lead.anew.set, gate_s)
+        passage = ShardPassage(self.handover, self.url, lead.anew.set, gate_s, answer_s)
         lead.history = HistoryServers(
             own,
             self.named,
@@ -87,7 +89,7 @@ class Leads:
         """Play the lead that it goes to, up to the hold."""
         await self.handover.begin_hold(await self.homes.ask_move("agv", OWN, own=OWN))
         sealed = await self.until_said(HoldWord.SEALED)
-        await self.handover.say(sealed, HoldWord.HOLD)
+        await self.handover.write_word(sealed, HoldWord.HOLD)
         return await self.until_said(HoldWord.HELD)
 
 
@@ -101,14 +103,23 @@ async def leads(tmp_path, database_url):
     await found.database.close()
 
 
+async def assert_all_there(history, past):
+    """See that each value up to ``past`` is there once; of texts a chart shows the newest."""
+    values, texts = await history.read_series("agv", ADDRESSES, *ALL, width=100_000)
+    rows = rows_between(0, past)
+    assert rows_of(values) == wanted(rows, 0)
+    shown = rows_of(texts)
+    assert shown
+    assert shown == wanted(rows, 1)[-len(shown) :]
+    assert await history.stored_below("agv", "b") == past
+
+
 async def keep_sending(history, first):
     """Send until the lead has the site no more; give up to where it was acknowledged."""
     with contextlib.suppress(HistoryElsewhere):
         while True:
             await send(history, "agv", first, first + 7)
             first += 7
-            # So few that a chart shows each of them.
-            await lasts_for(LOOK_S)
     return first
 
 
@@ -128,11 +139,11 @@ async def test_a_site_goes_to_another_lead_and_back_while_it_is_written(leads) -
             assert (home.server, home.erase_at) == (server, "east" if server == OWN else OWN)
         # What is left behind is erased once the one that it is at has begun anew.
         async with leads.opened(old) as source, leads.opened(new) as target:
-            await assert_whole(target.history, "agv", sent)
+            await assert_all_there(target.history, sent)
             assert await target.history.stored_below("agv", old) == 10
             await send(target.history, "agv", sent - 5, sent + 30)
             sent += 30
-            await assert_whole(target.history, "agv", sent)
+            await assert_all_there(target.history, sent)
             await leads.until(lambda home: not home.erase_at)
             left = source.history.places.open_stores()
             assert not any(store.transfer.has_site("agv") for store in left)
@@ -183,9 +194,8 @@ async def test_to_ask_for_where_it_is_ends_the_hold_and_what_was_copied_goes(lea
         assert asked.move != home.move
 
 
-async def test_while_the_other_lead_is_away_the_move_says_so(leads, monkeypatch) -> None:
-    monkeypatch.setattr("talaia.hub.history.servers.shard_move._ANSWER_S", 0.0)
-    async with leads.opened("east", runs=False) as east, leads.opened(MAIN):
+async def test_while_the_other_lead_is_away_the_move_says_so(leads) -> None:
+    async with leads.opened("east", runs=False) as east, leads.opened(MAIN, answer_s=0.0):
         await send(east.history, "agv", 0, 50)
         await leads.homes.ask_move("agv", OWN, own=OWN)
         home = await leads.until(lambda home: home.problem)

@@ -32,7 +32,7 @@ async def held(homes, handover):
     """Give the row as it stands while nothing of the site is written."""
     home = await handover.begin_hold(await homes.find_home("agv"))
     for word in (HoldWord.SEALED, HoldWord.HOLD, HoldWord.HELD):
-        home = await handover.say(home, word)
+        home = await handover.write_word(home, word)
     return home
 
 
@@ -55,7 +55,7 @@ async def test_a_site_that_was_let_go_of_its_hold_does_not_move(homes, handover,
     assert not await homes.switch_home(held, led_by="east")
     # Nor by the words of a later attempt.
     again = await handover.begin_hold(held)
-    await handover.say(again, HoldWord.SEALED)
+    await handover.write_word(again, HoldWord.SEALED)
     assert not await homes.switch_home(held, led_by="east")
     assert (await homes.find_home("agv")).server == "east"
 
@@ -69,11 +69,11 @@ async def test_a_hold_that_is_over_by_the_move_is_not_taken_back(homes, handover
 async def test_no_word_is_said_where_the_one_before_it_does_not_stand(homes, handover) -> None:
     home = await handover.begin_hold(await homes.find_home("agv"))
     assert word_of(home.hold) == HoldWord.SEAL
-    sealed = await handover.say(home, HoldWord.SEALED)
-    assert await handover.say(home, HoldWord.HELD) is None
+    sealed = await handover.write_word(home, HoldWord.SEALED)
+    assert await handover.write_word(home, HoldWord.HELD) is None
     # It is asked for otherwise: what was said of the move before is over.
     await homes.ask_move("agv", "own", own=OWN)
-    assert await handover.say(sealed, HoldWord.HOLD) is None
+    assert await handover.write_word(sealed, HoldWord.HOLD) is None
     assert (await homes.find_home("agv")).hold == ""
 
 

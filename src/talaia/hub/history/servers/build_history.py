@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.errors import CannotStart
-from talaia.hub.history.servers.history_servers import HistoryServers, Passage
+from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.history.servers.server_file import read_history_servers
+from talaia.hub.history.servers.shard_passage import ShardPassage
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.sharding.plan import MAIN, ShardPlan
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
@@ -68,7 +69,7 @@ def build_history(
         _check_plan(file, named.plan, plan or ShardPlan())
     passage = None
     if divided and begin_anew is not None:
-        passage = Passage(ShardHandover(database), settings.url, begin_anew)
+        passage = ShardPassage(ShardHandover(database), settings.url, begin_anew)
     return HistoryServers(
         own,
         named,

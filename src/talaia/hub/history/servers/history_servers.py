@@ -9,15 +9,12 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.history.errors import HistoryAway, HistoryError
 from talaia.hub.history.servers.history_server import STILL_S, HistoryServer
 from talaia.hub.history.servers.late_descriptions import LateDescriptions
-from talaia.hub.history.servers.shard_holds import ShardHolds
-from talaia.hub.history.servers.shard_move import ShardArrivals
-from talaia.hub.history.servers.site_move import GATE_S
 from talaia.hub.history.servers.site_moves import SiteMoves
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
@@ -28,7 +25,6 @@ if TYPE_CHECKING:
         AsyncGenerator,
         AsyncIterator,
         Awaitable,
-        Callable,
         Collection,
         Mapping,
         Sequence,
@@ -43,37 +39,20 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.servers.server_file import HistoryServersFile
+    from talaia.hub.history.servers.shard_passage import ShardPassage
     from talaia.hub.history.storage import Storage
     from talaia.hub.history.store import HistoryStore
     from talaia.hub.store.history_servers.history_homes import HistoryHomes
-    from talaia.hub.store.history_servers.shard_handover import ShardHandover
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["HistoryServers", "Passage"]
+__all__ = ["HistoryServers"]
 
 ResultT = TypeVar("ResultT")
 # Between two looks at servers that are away, and at moves that were asked for (s).
 _LOOK_S = 2.0
 # A gateway's hello waits so long for a server that stands still (s).
 _PATIENCE_S = 3.0
-
-
-class Passage(NamedTuple):
-    """What a shard's lead needs for sites that go to other shards, or come.
-
-    Attributes:
-        handover: what the leads of two shards say to each other.
-        own_url: of the accounts' database, which has histories as well.
-        begin_anew: lets this lead close and open again, with the sites that it has by then.
-        gate_s: a site is held so long at the most.
-
-    """
-
-    handover: ShardHandover
-    own_url: str
-    begin_anew: Callable[[], None]
-    gate_s: float = GATE_S
 
 
 class HistoryServers:
@@ -95,7 +74,7 @@ class HistoryServers:
         limits: HistoryLimits,
         still_s: float = STILL_S,
         shard: str | None = None,
-        passage: Passage | None = None,
+        passage: ShardPassage | None = None,
     ) -> None:
         """Have ``own``, the hub's own database, and those that are ``named``.
 
@@ -123,17 +102,8 @@ class HistoryServers:
         # Which of them has which site.
         self.places = SitePlaces(own, self._servers, named, homes, shard=shard)
         self.descriptions = LateDescriptions(self.places)
-        self._passage, arrivals = passage, None
-        if passage is not None:
-            arrivals = ShardArrivals(
-                self.places,
-                self.descriptions,
-                homes,
-                handover=passage.handover,
-                named=named,
-                own_url=passage.own_url,
-                begin_anew=passage.begin_anew,
-            )
+        self._passage = passage
+        arrivals = passage and passage.make_arrivals(self.places, self.descriptions, homes, named)
         self._moves = SiteMoves(self.places, self.descriptions, homes, arrivals)
 
     async def open(self) -> None:
@@ -147,13 +117,11 @@ class HistoryServers:
         if self._own is not None:
             await self._own.open()
         if self._passage is not None:
-            # Before anything is written: what the lead of before held is held no more, unless it
-            # has gone by now.
-            held = [*self._servers] if self._own is None else [OWN, *self._servers]
-            await self._passage.handover.end_holds(held)
+            # Before anything is written: what the lead of before held is held no more.
+            await self._passage.handover.end_holds(self.places.list_servers())
         for home in await self._homes.list_homes():
-            for name in filter(None, (home.server, home.moving_to, home.erase_at)):
-                if name != OWN and name not in self._named.servers:
+            for name in (home.server, home.moving_to, home.erase_at):
+                if name not in {"", OWN, *self._named.servers}:
                     raise CannotStart(
                         f"the history of {home.site} is on the server {name!r}, which"
                         " --history-servers does not name",
@@ -178,13 +146,7 @@ class HistoryServers:
                 group.create_task(self._keep_server(server), name=f"keep {server.name}")
             group.create_task(self._keep_moving(), name="move sites")
             if self._passage is not None:
-                holds = ShardHolds(
-                    self.places,
-                    self._homes,
-                    self._passage.handover,
-                    begin_anew=self._passage.begin_anew,
-                    gate_s=self._passage.gate_s,
-                )
+                holds = self._passage.make_holds(self.places, self._homes)
                 group.create_task(holds.run(), name="answer other shards")
 
     async def mend_servers(self) -> None:

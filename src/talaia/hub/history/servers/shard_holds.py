@@ -98,7 +98,7 @@ class ShardHolds:
             case HoldWord.SEAL:
                 transfer = self._places.store_named(home.server).transfer
                 await transfer.seal_site(home.site)
-                await self._handover.say(home, HoldWord.SEALED)
+                await self._handover.write_word(home, HoldWord.SEALED)
             case HoldWord.HOLD:
                 await self._hold_site(home)
             case HoldWord.HELD:
@@ -125,7 +125,7 @@ class ShardHolds:
             self._places.shut_site(site)
             held = home._replace(hold=with_word(home.hold, HoldWord.HELD))
             try:
-                if await self._handover.say(home, HoldWord.HELD) is None:
+                if await self._handover.write_word(home, HoldWord.HELD) is None:
                     self._places.unshut_site(site)
                     return
             except StoreDown:

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from talaia.hub.store.history_servers.history_homes import HistoryHome, HistoryHomes
     from talaia.hub.store.history_servers.shard_handover import ShardHandover
 
-__all__ = ["ShardArrivals", "ShardMove"]
+__all__ = ["ANSWER_S", "ShardArrivals", "ShardMove"]
 
 # Between two looks at what the other lead says (s), and how long it may take to answer.
 _LOOK_S = 0.05
-_ANSWER_S = 20.0
+ANSWER_S = 20.0
 
 
 class ShardMove:
@@ -47,12 +47,17 @@ class ShardMove:
         *,
         handover: ShardHandover,
         other: str,
+        answer_s: float = ANSWER_S,
     ) -> None:
-        """Do what ``home`` says; ``other`` names the shard that it comes from."""
+        """Do what ``home`` says.
+
+        ``other`` names the shard that it comes from; its lead is waited for ``answer_s``.
+        """
         self._places, self._homes = places, homes
         # What it waited for is over until it is seen again.
         self._copy = SiteCopy(places, descriptions, homes, home._replace(problem=""))
         self._handover, self._other = handover, other
+        self._answer_s = answer_s
 
     async def run(self, source: OtherHistory) -> None:
         """Copy the site from ``source``, and let it be here.
@@ -76,7 +81,9 @@ class ShardMove:
             begun = await self._handover.begin_hold(copy.home)
             await self._hear(begun, HoldWord.SEALED)
             await copy.copy_more(source, target.transfer)
-            await self._hear(await self._handover.say(copy.home, HoldWord.HOLD), HoldWord.HELD)
+            await self._hear(
+                await self._handover.write_word(copy.home, HoldWord.HOLD), HoldWord.HELD
+            )
             async with asyncio.timeout(GATE_S):
                 await copy.copy_rest(source, target)
             await copy.switch_home(led_by=copy.home.server)
@@ -93,7 +100,7 @@ class ShardMove:
 
     async def _hear(self, said: HistoryHome | None, answer: HoldWord) -> None:
         """Wait until the other lead has answered what was said; none: the row is another one."""
-        until_s = asyncio.get_running_loop().time() + _ANSWER_S
+        until_s = asyncio.get_running_loop().time() + self._answer_s
         while said is not None:
             found = await self._homes.find_home(said.site)
             if found is None or (found.move, found.server) != (said.move, said.server):
@@ -128,6 +135,7 @@ class ShardArrivals:
         named: HistoryServersFile,
         own_url: str,
         begin_anew: Callable[[], None],
+        answer_s: float = ANSWER_S,
     ) -> None:
         """Bring them to ``places``.
 
@@ -139,11 +147,12 @@ class ShardArrivals:
             named: the file of servers.
             own_url: of the hub's own database.
             begin_anew: called once a site is here: this lead closes, and opens with it.
+            answer_s: another lead is waited for so long.
 
         """
         self._places, self._descriptions, self._homes = places, descriptions, homes
         self._handover, self._named, self._own_url = handover, named, own_url
-        self._begin_anew = begin_anew
+        self._begin_anew, self._answer_s = begin_anew, answer_s
 
     async def bring_site(self, home: HistoryHome) -> None:
         """Bring one, as ``home`` says.
@@ -164,6 +173,7 @@ class ShardArrivals:
             home,
             handover=self._handover,
             other=self._named.plan.shard_of_server(home.server),
+            answer_s=self._answer_s,
         )
         source = OtherHistory(url, term)
         try:

@@ -80,6 +80,10 @@ class SitePlaces:
         """Tell whether a server is one of these, there or away."""
         return name in self._servers or (name == OWN and self._own is not None)
 
+    def list_servers(self) -> list[str]:
+        """Name these servers, there or away."""
+        return list(self._servers) if self._own is None else [OWN, *self._servers]
+
     def open_stores(self) -> list[HistoryStore]:
         """Give the histories of all that are there."""
         opened = (self._own, *(server.opened for server in self._servers.values()))

@@ -84,7 +84,7 @@ class ShardHandover:
         """
         return await self._write_hold(home, None, _make_hold())
 
-    async def say(self, home: HistoryHome, word: HoldWord) -> HistoryHome | None:
+    async def write_word(self, home: HistoryHome, word: HoldWord) -> HistoryHome | None:
         """Say the next word; None: what was said before does not stand there any more.
 
         Raises:
