@@ -49,6 +49,8 @@ _LOG = logging.getLogger(__name__)
 _CLOSE_S = 2.0
 # Cut off from the database and from all others for so long, a lead lets its gateways go (s).
 _ALONE_S = 10.0
+# A hub that is to begin anew closes within this (s), or its whole process begins anew.
+_ANEW_S = 20.0
 # Hubs that a socket's opening is handed to, one after the other as they go.
 _TRIES = 3
 # The first look at a lock is waited for no longer (s).
@@ -207,8 +209,13 @@ class ShardSeat:
                 await hub.asgi(scope, opening.receive, send)
                 return
             if hub is not None:
-                await self._local.serve(self._guarded(hub), scope, opening.receive, send)
-                return
+                app = self._guarded(hub)
+                if await self._local.serve(app, scope, opening.receive, send):
+                    return
+                # As below.
+                if scope["type"] != "websocket" or not opening.begin_again():
+                    break
+                continue
             try:
                 await self.member.entrance.serve_request(scope, opening.receive, send)
             except NoLead as error:
@@ -282,7 +289,7 @@ class ShardSeat:
             closing = _CLOSE_S if self._over and not self._failed else None
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(closing):
-                    if self._leading is not None:
+                    if self._leading is not None or self._anew.is_set():
                         await self._closed.wait()
             for task in tasks:
                 task.cancel()
@@ -324,9 +331,12 @@ class ShardSeat:
             building = asyncio.create_task(
                 asyncio.to_thread(build_hub, self.settings, self._clock, seat=self)
             )
+            # One that does not close is left behind with its process.
+            late = asyncio.get_running_loop().call_later(_ANEW_S, self._supersede)
             self._leading = None
             await self.member.pause_leading()
             await self._local.end_all()
+        late.cancel()
         self._hub = await building
 
     def _guarded(self, hub: Hub) -> ASGIApp:

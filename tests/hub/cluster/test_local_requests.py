@@ -58,7 +58,7 @@ async def test_a_socket_hears_what_is_said_and_is_sent_away_when_all_end() -> No
     serving = asyncio.create_task(requests.serve(listen, SOCKET, asker.says.get, asker.send))
     await asyncio.wait_for(asker.answered.wait(), PATIENCE_S)
     await requests.end_all()
-    await asyncio.wait_for(serving, PATIENCE_S)
+    assert await asyncio.wait_for(serving, PATIENCE_S)
     assert [message["type"].partition(".")[2] for message in asker.told] == [
         "accept", "send", "close",
     ]  # fmt: skip
@@ -92,3 +92,33 @@ async def test_what_an_application_raises_is_raised_and_a_server_may_end_it() ->
     serving.cancel()
     with pytest.raises(asyncio.CancelledError):
         await serving
+
+
+async def hold(_scope, receive, _send) -> None:
+    """Neither answer nor let anybody in."""
+    await receive()
+    await asyncio.get_running_loop().create_future()
+
+
+async def fail_late(_scope, receive, send) -> None:
+    """Find the database closed."""
+    await receive()
+    await send({"type": "http.response.start", "status": 500})
+    await send({"type": "http.response.body"})
+    raise OSError("closed")
+
+
+@pytest.mark.parametrize(("app", "scope"), [(hold, SOCKET), (hold, REQUEST), (fail_late, REQUEST)])
+async def test_of_one_that_was_not_answered_it_is_said_so(app, scope) -> None:
+    requests, asker = LocalRequests(), Asker()
+    serving = asyncio.create_task(requests.serve(app, scope, asker.says.get, asker.send))
+    ending = asyncio.create_task(until_begun(requests, serving))
+    asker.says.put_nowait({"type": "http.request"})
+    assert not (await asyncio.wait_for(asyncio.gather(serving, ending), PATIENCE_S))[0]
+    assert asker.told == []
+
+
+async def until_begun(requests, serving) -> None:
+    # The request begins before this one has its turn.
+    assert not serving.done()
+    await requests.end_all()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -13,8 +14,12 @@ if TYPE_CHECKING:
 
 __all__ = ["LocalRequests"]
 
+_LOG = logging.getLogger(__name__)
+
 # 1012: the server restarts (RFC 6455's registry); pages and gateways connect again at once.
 _RESTARTS = 1012
+# Of HTTP: what an application answers whose database is closed.
+_FAILED = 500
 # Applications end by the disconnect that they hear within this (s); who does not is cancelled.
 _ENDING_S = 0.5
 
@@ -29,6 +34,10 @@ class _LocalRequest:
         self._hearing: asyncio.Future[MutableMapping[str, Any]] | None = None
         # Of a socket: it was let in, and has not been closed here.
         self._open = False
+        # Something of an answer has gone out.
+        self.answered = False
+        # All of them end; what fails because of that is no answer.
+        self.ends = self._failed = False
 
     async def receive(self) -> MutableMapping[str, Any]:
         if self._over.is_set():
@@ -45,13 +54,20 @@ class _LocalRequest:
         return self._gone() if heard.cancelled() else heard.result()
 
     async def send(self, message: MutableMapping[str, Any]) -> None:
-        if message["type"] == "websocket.accept":
+        kind = message["type"]
+        if kind == "http.response.start" and self.ends and message["status"] == _FAILED:
+            self._failed = True
+        if self._failed:
+            return
+        self.answered = True
+        if kind == "websocket.accept":
             self._open = True
-        elif message["type"] == "websocket.close":
+        elif kind == "websocket.close":
             self._open = False
         await self._send(message)
 
     def break_off(self) -> None:
+        self.ends = True
         if self._kind != "websocket":
             # Most are answered within the time that there is.
             return
@@ -76,8 +92,13 @@ class LocalRequests:
         """Have none."""
         self._running: dict[_LocalRequest, asyncio.Task[None]] = {}
 
-    async def serve(self, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let ``app`` answer a request to its end, which may be `end_all`."""
+    async def serve(self, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> bool:
+        """Let ``app`` answer a request to its end, which may be `end_all`.
+
+        Returns:
+            False: it came to an end by that before anything was answered.
+
+        """
         request = _LocalRequest(scope, receive, send)
         task = asyncio.ensure_future(app(scope, request.receive, request.send))
         self._running[request] = task
@@ -90,9 +111,13 @@ class LocalRequests:
             raise
         finally:
             del self._running[request]
-        await request.close_socket()
-        if not task.cancelled():
+        if not request.ends:
             task.result()
+            return True
+        await request.close_socket()
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _LOG.debug("a request failed as its hub closed: %r", error)
+        return request.answered
 
     async def end_all(self) -> None:
         """End all that are under way."""
