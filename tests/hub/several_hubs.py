@@ -146,8 +146,8 @@ class Hubs:
     """Hubs on one database; the first leads."""
 
     def __init__(self, url: str, nats: Nats, folder) -> None:
-        self.nats = nats
-        self._url, self._folder = url, folder
+        self.nats, self.url = nats, url
+        self._folder = folder
         self._key = read_or_make_key(folder / "key", os.urandom(32))
         self._stack = AsyncExitStack()
         self.all = []
@@ -162,7 +162,7 @@ class Hubs:
 
     async def add(self, name: str, *more: str, same_key: bool = True) -> OneHub:
         """Start one more, with the key of the others unless it is to have its own."""
-        hub = OneHub(self._folder / name, self._url, self.nats, name, *more)
+        hub = OneHub(self._folder / name, self.url, self.nats, name, *more)
         if same_key:
             read_or_make_key(hub.folder / "seal.key", self._key)
         self._stack.push_async_callback(hub.end)

@@ -21,7 +21,7 @@ _ABOUT_SHARDS = """\
 # Made by `talaia generate`: which databases have histories. Each of `shards` has a lead of its own
 # for the sites whose history is there; a new site's is where the fewest are. All hubs have the same
 # file: to change `shards`, end them all first. `talaia history move SITE --to NAME` takes a site to
-# another shard while no hub runs.
+# another shard while the hubs run.
 """
 
 

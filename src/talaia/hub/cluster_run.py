@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.errors import HubError
     from talaia.hub.settings import Settings
+    from talaia.hub.sharding.directory import ShardDirectory
 
 __all__ = ["ClusterHub"]
 
@@ -90,6 +91,7 @@ class ClusterHub:
         # Of sites that are not divided nothing is looked at: all is the one seat's.
         self._led_on: ASGIApp = self._main
         self._looked_up: Database | None = None
+        self._followed: ShardDirectory | None = None
         if named and plan.names:
             # Only here: hubs of which one leads all sites import nothing of it.
             from talaia.hub.sharding.directory import ShardDirectory
@@ -103,6 +105,7 @@ class ClusterHub:
                 self._looked_up, homes, plan, named.first_home, registry=registry
             )
             self._led_on = ShardRouter(self.seats, directory)
+            self._followed = directory
         # What this hub answers without being the lead, guarded like everything else.
         self._own = RequestGuard(self._answer_own, settings)
         self._pages = Pages(static_dir())
@@ -214,6 +217,9 @@ class ClusterHub:
                 stack.push_async_callback(self._looked_up.close)
             for seat in self.seats.values():
                 await stack.enter_async_context(seat.running())
+            if self._followed is not None:
+                following = asyncio.create_task(self._followed.run(), name="follow the shards")
+                stack.callback(following.cancel)
             yield
 
     def _may_take(self, seat: ShardSeat, vacant_s: float) -> bool:

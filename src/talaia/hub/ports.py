@@ -242,6 +242,13 @@ class ClusterSeat(Protocol):
         """
         ...
 
+    def begin_anew(self) -> None:
+        """Close this lead's hub, and open it again with the sites that its shard has by then.
+
+        It happens soon; to ask again meanwhile changes nothing.
+        """
+        ...
+
     def own_notice(self) -> HubNotice:
         """Say how this hub stands."""
         ...

@@ -18,9 +18,11 @@ from talaia.hub.app import build_hub
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.cluster.entrance import NoLead
 from talaia.hub.cluster.lead_wait import HeldOpening, LeadWait
+from talaia.hub.cluster.local_requests import LocalRequests
 from talaia.hub.cluster.member import ClusterMember
 from talaia.hub.cluster.nats_bus import NatsBus
 from talaia.hub.errors import HubError
+from talaia.hub.sharding.elsewhere_guard import ElsewhereGuard
 from talaia.hub.sharding.plan import MAIN
 from talaia.hub.store.lead.hub_plan import agree_on_plan
 from talaia.hub.store.lead.lead_claim import claim_lead
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from starlette.responses import Response
-    from starlette.types import Receive, Scope, Send
+    from starlette.types import ASGIApp, Receive, Scope, Send
 
     from talaia.clock import Clock
     from talaia.hub.app import Hub
@@ -47,11 +49,14 @@ _LOG = logging.getLogger(__name__)
 _CLOSE_S = 2.0
 # Cut off from the database and from all others for so long, a lead lets its gateways go (s).
 _ALONE_S = 10.0
+# A hub that is to begin anew closes within this (s), or its whole process begins anew.
+_ANEW_S = 20.0
 # Hubs that a socket's opening is handed to, one after the other as they go.
 _TRIES = 3
 # The first look at a lock is waited for no longer (s).
 _FIRST_LOOK_S = 5.0
 NO_LEAD = "no hub leads just now; one takes over within seconds"
+_ELSEWHERE = "another hub has this site by now; ask again"
 _NO_SHARD_LEAD = "no hub leads the shard {} just now; one takes over within seconds"
 
 
@@ -99,7 +104,7 @@ class ShardSeat:
             HubError: the settings do not fit, or a library is missing.
 
         """
-        self.settings = settings
+        self.settings, self._clock = settings, clock
         self.shard, self.plan = shard, plan
         self._rules = rules
         # All hubs have the same key: of it comes the one by which they know each other.
@@ -133,6 +138,9 @@ class ShardSeat:
         self._leaving = False
         self._over = False
         self._closing = asyncio.Event()
+        # Its hub is to close and to open again: sites have gone to other shards, or come.
+        self._anew = asyncio.Event()
+        self._local = LocalRequests()
         self._closed = asyncio.Event()
         self._failed = False
         self._epoch = 0
@@ -152,7 +160,7 @@ class ShardSeat:
     @property
     def led_lately(self) -> bool:
         """Whether some hub leads this shard, or did a moment ago."""
-        return self._leading is not None or self.member.led_lately
+        return self._leading is not None or self._anew.is_set() or self.member.led_lately
 
     # ── its seat among the others ──
 
@@ -172,6 +180,10 @@ class ShardSeat:
             database, shard=self.shard, name=self.settings.hub_name, seal_hash=seal_hash
         )
         self._lock.remember_epoch(self._epoch)
+
+    def begin_anew(self) -> None:
+        """Close the hub that leads, and open another one in its place; soon."""
+        self._anew.set()
 
     def own_notice(self) -> HubNotice:
         """Say how this hub stands."""
@@ -193,9 +205,17 @@ class ShardSeat:
             if not await self._waiting.wait_for_lead(opening.began_s):
                 break
             hub = self._leading
-            if hub is not None:
+            if hub is not None and not self.plan.names:
                 await hub.asgi(scope, opening.receive, send)
                 return
+            if hub is not None:
+                app = self._guarded(hub)
+                if await self._local.serve(app, scope, opening.receive, send):
+                    return
+                # As below.
+                if scope["type"] != "websocket" or not opening.begin_again():
+                    break
+                continue
             try:
                 await self.member.entrance.serve_request(scope, opening.receive, send)
             except NoLead as error:
@@ -269,7 +289,7 @@ class ShardSeat:
             closing = _CLOSE_S if self._over and not self._failed else None
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(closing):
-                    if self._leading is not None:
+                    if self._leading is not None or self._anew.is_set():
                         await self._closed.wait()
             for task in tasks:
                 task.cancel()
@@ -284,17 +304,45 @@ class ShardSeat:
         await self.member.begin_opening()
         try:
             with self._rules.data_lock():
-                async with self._hub.running():
-                    self._leading = self._hub
-                    self._waiting.notify()
-                    await self.member.begin_leading(self._hub.asgi, self._epoch)
-                    self._announce()
-                    await self._closing.wait()
+                while not self._closing.is_set():
+                    await self._lead_once()
         except HubError as error:
             self._over = self._failed = True
             self._rules.failed(error)
         finally:
             self._closed.set()
+
+    async def _lead_once(self) -> None:
+        """Be the hub until the end, or until it is to begin anew."""
+        async with self._hub.running():
+            self._anew.clear()
+            self._leading = self._hub
+            self._waiting.notify()
+            await self.member.begin_leading(self._guarded(self._hub), self._epoch)
+            self._announce()
+            ends = [asyncio.create_task(event.wait()) for event in (self._closing, self._anew)]
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+            for end in ends:
+                end.cancel()
+            if self._closing.is_set():
+                return
+            _LOG.warning("the sites of the shard %s have changed; its hub begins anew", self.shard)
+            # In a thread, for it takes a while, and another shard of this process goes on.
+            building = asyncio.create_task(
+                asyncio.to_thread(build_hub, self.settings, self._clock, seat=self)
+            )
+            # One that does not close is left behind with its process.
+            late = asyncio.get_running_loop().call_later(_ANEW_S, self._supersede)
+            self._leading = None
+            await self.member.pause_leading()
+            await self._local.end_all()
+        late.cancel()
+        self._hub = await building
+
+    def _guarded(self, hub: Hub) -> ASGIApp:
+        if not self.plan.names:
+            return hub.asgi
+        return ElsewhereGuard(hub.asgi, hub.core.shard, _refuse_elsewhere)
 
     async def _watch_isolation(self) -> None:
         """End a lead that neither the database nor any other hub hears."""
@@ -344,6 +392,10 @@ class ShardSeat:
     def _call_in_loop(self, act: Callable[[], None]) -> None:
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(act)
+
+
+async def _refuse_elsewhere(scope: Scope, receive: Receive, send: Send) -> None:
+    await answer_response(problem_response(503, "elsewhere", _ELSEWHERE, 1), scope, receive, send)
 
 
 async def answer_response(response: Response, scope: Scope, receive: Receive, send: Send) -> None:

@@ -1,4 +1,4 @@
-"""``talaia history`` where sites are divided: a site changes its shard while no hub runs."""
+"""``talaia history`` where sites are divided: hubs move a site, or the command does."""
 
 import asyncio
 import contextlib
@@ -10,10 +10,9 @@ import pytest
 from hub.conftest import DESCRIPTION, settings_in
 from hub.databases import empty_database
 from hub.history.servers.samples_sent import assert_whole, send
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until_answered
 from sqlalchemy import update
 
-from talaia.cli.errors import CliError
 from talaia.cli.history.moving import list_histories, move_history
 from talaia.clock import SystemClock
 from talaia.hub.history.limits import HistoryLimits
@@ -88,16 +87,33 @@ async def test_a_site_changes_its_shard_while_no_hub_runs(settings) -> None:
         assert (await HistoryHomes(database).find_home("agv")).erase_at == ""
 
 
-@pytest.mark.parametrize("settings", ["sqlite"], indirect=True)
-async def test_it_is_refused_while_a_hub_runs_and_nothing_is_asked_for(settings) -> None:
-    await have_site(settings)
+@asynccontextmanager
+async def asked(settings):
+    """Ask for the move, which a hub is to do; it is done when this ends, by which that has."""
     said = []
-    refused = pytest.raises(CliError, match="end all hubs, then run this again")
-    with hub_lock(settings.data), refused:
-        await move_history(settings, "agv", "east", said.append)
-    async with lead_of(settings, "main") as (_, database):
-        assert (await HistoryHomes(database).find_home("agv")).moving_to == ""
-    assert said == []
+    moving = asyncio.create_task(move_history(settings, "agv", "east", said.append, wait_s=0.1))
+    async with open_migrated(settings.url) as database:
+        homes = HistoryHomes(database)
+
+        async def is_asked() -> bool:
+            home = await homes.find_home("agv")
+            return home is not None and home.moving_to == "east"
+
+        await until_answered(is_asked)
+        assert (await homes.find_home("agv")).server == "own"
+        yield
+    await asyncio.wait_for(moving, PATIENCE_S)
+    assert said[0] == "agv: own, on its way to east"
+    assert said[-1] == "agv: east"
+
+
+@pytest.mark.parametrize("settings", ["sqlite"], indirect=True)
+async def test_while_a_hub_runs_it_asks_and_does_it_itself_when_that_has_ended(settings) -> None:
+    held = contextlib.ExitStack()
+    await have_site(settings)
+    held.enter_context(hub_lock(settings.data))
+    async with asked(settings):
+        held.close()
 
 
 @pytest.mark.parametrize("settings", ["postgresql", "mariadb"], indirect=True)
@@ -107,11 +123,8 @@ async def test_a_lead_of_any_shard_on_another_machine_is_a_hub_that_runs(setting
     taken = threading.Event()
     lock = LeadLock(settings.url, taken=taken.set, lost=print, shard=shard, shards=PLAN.names)
     lock.start_looking()
-    try:
-        assert await asyncio.to_thread(taken.wait, PATIENCE_S)
-        with pytest.raises(CliError, match="'east' is of another shard than 'own'"):
-            await move_history(settings, "agv", "east", print, wait_s=0.1)
-    finally:
+    assert await asyncio.to_thread(taken.wait, PATIENCE_S)
+    async with asked(settings):
         await asyncio.to_thread(lock.stop_looking)
 
 

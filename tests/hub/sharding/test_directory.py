@@ -100,3 +100,30 @@ async def test_a_key_and_a_number_lead_to_their_site(database) -> None:
     (gateway,) = await SiteRegistry(database, HandClock()).list_gateways()
     assert await directory.find_site_of_gateway(gateway.id) == "agv"
     assert await directory.find_site_of_gateway(gateway.id + 1) is None
+
+
+async def test_a_site_that_changes_its_shard_is_led_there_from_then_on(database) -> None:
+    await enrolled(database, "agv")
+    homes = HistoryHomes(database)
+    directory = directory_of(database, lambda *_: "east")
+    assert await directory.place_site("agv") == "east"
+    await homes.switch_home(await homes.ask_move("agv", "west", own="own"))
+    assert directory.known_shard("agv") == "east"
+    await directory.refresh()
+    assert directory.known_shard("agv") == "west"
+    await homes.switch_home(await homes.ask_move("agv", "own", own="own"))
+    await directory.refresh()
+    assert await directory.place_site("agv") == MAIN
+
+
+async def test_what_was_looked_up_before_a_change_does_not_stand_for_what_is_after_it(
+    database,
+) -> None:
+    homes = HistoryHomes(database)
+    await homes.add_home("agv", "east")
+    directory = directory_of(database)
+    # The rows are read, and whoever reads them has not the turn yet.
+    looking = asyncio.create_task(directory.find_shard("agv"))
+    await homes.switch_home(await homes.ask_move("agv", "west", own="own"))
+    await asyncio.gather(looking, directory.refresh())
+    assert directory.known_shard("agv") == "west"

@@ -15,6 +15,7 @@ from talaia.hub.sharding.plan import MAIN, ShardPlan, WholeShard
 from talaia.hub.store.alarm_tables import alarm_definitions
 from talaia.hub.store.alarms.alarm_states import AlarmStore
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.shard_handover import ShardHandover
 from talaia.hub.store.missions.mission_store import MissionStore
 from talaia.hub.store.observing.request_rows import insert_requests, insert_row
 from talaia.hub.store.observing.request_store import RequestStore
@@ -37,7 +38,7 @@ async def shard(request, database):
     homes = HistoryHomes(database)
     for site, server in HOMES.items():
         await homes.add_home(site, server)
-    return OwnShard(request.param, PLAN, homes)
+    return OwnShard(request.param, PLAN, homes, ShardHandover(database))
 
 
 async def test_rows_and_names_say_the_same_of_each_site(shard, database) -> None:

@@ -544,3 +544,28 @@ class TestBounds:
         blocked.set()
         assert (await page.hear(SiteUpdate)).away
         await world.east.end()
+
+
+async def test_what_a_page_looks_at_is_asked_of_the_shard_that_its_site_came_to(world) -> None:
+    page, _, east, west = await world.joined()
+    await east.say(online("agv"))
+    await page.hear(SiteUpdate)
+    asked = subscribe(1, "agv")
+    page.say(asked)
+    assert await east.heard.take() == asked
+    # Its lead begins anew without it, and the other one tells of it.
+    east.break_off()
+    assert (await page.hear(SiteUpdate)).away
+    again = await world.east.end()
+    assert await again.heard.take() == asked
+    await west.say(online("agv"))
+    assert (await page.hear(SiteUpdate)).online
+    assert await west.heard.take() == asked
+    assert await again.heard.take() == Unsubscribe(sub=1)
+    await west.say(values(1))
+    assert await page.hear(Values) == values(1)
+    # What the former one says yet is of then.
+    async with nothing_more(page):
+        await again.say(values(1))
+    page.say(stop("agv"))
+    assert await west.heard.take() == stop("agv")

@@ -38,6 +38,8 @@ class FakeSeat:
 
     async def claim_lead(self, _database, _seal_hash) -> None: ...
 
+    def begin_anew(self) -> None: ...
+
     def own_notice(self):
         return HubNotice(hub=self.shard, name="a", version="1", leads=True)
 

@@ -18,6 +18,7 @@ import httpx
 import psutil
 import sqlalchemy as sa
 from aiosmtpd.controller import Controller
+from async_program import start_program
 from certificates import Certificates
 from hub.databases import database_with_tables, empty_database
 from hub.object_stores import BUCKET, KEY_ID, SECRET, FaultyLine, require_store
@@ -30,6 +31,8 @@ from talaia.hub import accounts
 from talaia.hub.auth.key_file import read_or_make_key
 from talaia.hub.settings import Settings
 from talaia.hub.store.database import Database
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.shard_handover import word_of
 from talaia.hub.store.sites.site_registry import add_key
 
 from ..faults import ledgers
@@ -349,6 +352,26 @@ class ClusterWorld(World):
 
         await until_answered(is_led)
         return found[0]
+
+    async def move_site(self, server: str) -> None:
+        """Move the robot's site to another server, as an operator does who waits for it."""
+        member = self.members[NAMES[0]]
+        command = await start_program(
+            *("-m", "talaia", "history", "move", SITE, "--to", server),
+            *("--data", str(member.folder), "--history-servers", str(self.folder / "servers.yaml")),
+            TALAIA_DATABASE_URL=self._url,
+        )
+        await asyncio.wait_for(command.communicate(), PATIENCE_S)
+        assert command.returncode == 0
+
+    async def site_held(self) -> None:
+        """Wait for the moment in which nothing of the robot's site is written."""
+        database = Database(self._url)
+        homes = HistoryHomes(database)
+        async with asyncio.timeout(PATIENCE_S):
+            while word_of(home.hold if (home := await homes.find_home(SITE)) else "") != "held":
+                pass
+        await database.close()
 
     async def others(self) -> list[Member]:
         """Give the hubs that wait, the one first to which most gateways came."""

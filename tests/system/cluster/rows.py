@@ -213,6 +213,22 @@ async def s2(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
         lead.start()
 
 
+async def s11(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """The robot's site goes to the main shard, and `kill -9` its lead that holds it; and back."""
+    async with driven(world, chance, findings) as load:
+        moving = asyncio.create_task(world.move_site("own"))
+        async with lead_changes(world, findings) as lead:
+            await world.site_held()
+            at = lead.kill()
+            await load.raise_alarm()
+            await load.must_stop(at)
+        lead.start()
+        await moving
+        began = time.monotonic_ns()
+        await world.move_site(world.shard)
+        findings.figures["moved back within, s"].append((time.monotonic_ns() - began) / 1e9)
+
+
 async def bring_within(world: ClusterWorld, findings: Findings, trouble: str) -> None:
     """Let a recording come while the store has a trouble, and be there after it."""
     async with bringing_within(world, findings, trouble):
@@ -315,7 +331,7 @@ ROWS += [
         run in (k1, s2),
         divided=True,
     )
-    for run in (k1, s2, k3, k6, k8, k10)
+    for run in (k1, s2, k3, k6, k8, k10, s11)
 ]
 
 __all__ = ["ROWS", "Row"]

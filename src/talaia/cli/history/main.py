@@ -66,8 +66,8 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         description="Move a site's history to another server while all goes on. The hub that runs"
         " does it, and this shows how far it is; where none runs, it is done here. Broken off at"
         " any point, nothing is lost: the hub goes on, and to run this again shows it. To ask for"
-        " the server where it is ends a move. To a server of another shard it moves only while no"
-        " hub runs.",
+        " the server where it is ends a move. Where the server is of another shard, the leads of"
+        " both close and open again when it is there: their sites are away for a moment.",
     )
     for command in (listed, moved):
         command.add_argument(

@@ -68,41 +68,33 @@ async def move_history(
 
     Raises:
         HubError: the database cannot be opened.
-        CliError: there is no such site, or a hub runs and it is to change its shard.
+        CliError: there is no such site.
 
     """
-    async with open_migrated(settings.url) as database, contextlib.AsyncExitStack() as held:
+    async with open_migrated(settings.url) as database:
         homes = HistoryHomes(database)
         known = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
         before = await homes.find_home(site)
         if site not in known and before is None:
             raise CliError(f"there is no site {site!r}; talaia history list names them")
-        found = OWN if before is None else before.server
-        plan = await _read_plan(database)
-        crosses = plan.shard_of_server(found) != plan.shard_of_server(server)
-        # Hubs know where a site is led for as long as they run; it changes while none does.
-        free = _without_hubs(settings, database, wait_s)
-        if crosses and not await held.enter_async_context(free):
-            raise CliError(
-                f"{server!r} is of another shard than {found!r}, where {site} is: a site changes"
-                " its shard only while no hub runs; end all hubs, then run this again"
-            )
         asked = await homes.ask_move(site, server, own=OWN)
         if before is None or before.moving_to != asked.moving_to:
             said = f"the history of {site} from {asked.server} to {server}"
             await append_audit_record(database, "history moved", said, site)
         line = ""
-        while True:
-            home = await homes.find_home(site)
-            if home is None or not (home.moving_to or home.erase_at):
-                break
-            if (now := _line_of(home)) != line:
-                line = now
-                tell(line)
-            if crosses:
-                await _move_once(settings, database)
-            else:
-                await _move_here(settings, database)
+        while await _find_move(homes, site):
+            # Where no hub runs, none begins before it is done; else the hubs do it.
+            async with _without_hubs(settings, database, wait_s) as alone:
+                while home := await _find_move(homes, site):
+                    if (now := _line_of(home)) != line:
+                        line = now
+                        tell(line)
+                    if not alone:
+                        break
+                    await _move_once(settings, database)
+                    await asyncio.sleep(_LOOK_S)
+            # Whoever is about to end has ended: a lock that is free now is another hub's to take.
+            wait_s = 0.0
             await asyncio.sleep(_LOOK_S)
     tell(f"{site}: {server}")
 
@@ -112,11 +104,10 @@ async def _read_plan(database: Database) -> ShardPlan:
     return ShardPlan(tuple(await read_shards(database)))
 
 
-async def _move_here(settings: Settings, database: Database) -> None:
-    """Do it where no hub runs; else the hub does."""
-    async with _without_hubs(settings, database, WAIT_S) as alone:
-        if alone:
-            await _move_once(settings, database)
+async def _find_move(homes: HistoryHomes, site: str) -> HistoryHome | None:
+    """Give a site's row while something is to be done of its move."""
+    home = await homes.find_home(site)
+    return home if home is not None and (home.moving_to or home.erase_at) else None
 
 
 async def _move_once(settings: Settings, database: Database) -> None:
@@ -156,6 +147,8 @@ def _line_of(home: HistoryHome) -> str:
         said += f", on its way to {home.moving_to}"
         if home.all_blocks:
             said += f": {home.done_blocks} of {home.all_blocks} blocks"
+    elif home.led_by:
+        said += ", its shard changes"
     elif home.erase_at:
         said += f", what was left at {home.erase_at} is being erased"
     return f"{said}; it waits: {home.problem}" if home.problem else said

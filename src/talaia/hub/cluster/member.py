@@ -134,6 +134,15 @@ class ClusterMember:
         self._opens = True
         await self._say_notice()
 
+    async def pause_leading(self) -> None:
+        """Say that this hub leads anew in a moment, and end what it answers for others.
+
+        They hold who comes meanwhile, as within a take-over.
+        """
+        self._epoch, self._opens = 0, True
+        await self._say_notice()
+        await self.answering.finish_answering("the hub that leads begins anew")
+
     async def begin_leading(self, app: ASGIApp, epoch: int) -> None:
         """Answer for the others with ``app`` from now on."""
         self._epoch, self._opens = epoch, False

@@ -6,6 +6,8 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from sqlalchemy.exc import OperationalError
+
 from talaia.hub.auth.resume_tokens import ResumeTokens
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.live.pages.fanout import Fanout
@@ -18,12 +20,14 @@ from talaia.hub.sharding.own_shard import OwnShard
 from talaia.hub.sharding.plan import WholeShard
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.shard_handover import ShardHandover
 from talaia.hub.store.lead.hub_plan import agree_on_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping, Sequence
 
     from fastapi import APIRouter
+    from sqlalchemy.engine.interfaces import DBAPIConnection
 
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
@@ -67,12 +71,18 @@ class Core:
         self.clock = clock
         # Checks the URL and connects to nothing yet.
         self.seat = seat
-        self.on_connect = None if seat is None else seat.check_connection
+        self.on_connect = None if seat is None else self._check_connection
+        self._closed = False
         divided = seat is not None and bool(seat.plan.names)
         self.database = Database(settings.url, on_connect=self.on_connect, shares_turn=divided)
         self.shard: Shard = WholeShard()
         if seat is not None and divided:
-            self.shard = OwnShard(seat.shard, seat.plan, HistoryHomes(self.database))
+            self.shard = OwnShard(
+                seat.shard,
+                seat.plan,
+                HistoryHomes(self.database),
+                ShardHandover(self.database),
+            )
         self.sites = Sites()
         self.known_sites: DescribedSites = self.sites
         if self.shard.is_main and not self.shard.is_whole:
@@ -118,8 +128,17 @@ class Core:
 
     async def close(self) -> None:
         """Close the database."""
+        # Another hub of this process may lead after this one: whatever is left of this writes
+        # nothing any more.
+        self._closed = True
         self.fanout.watched.close()
         await self.database.close()
+
+    def _check_connection(self, connection: DBAPIConnection, record: object) -> None:
+        if self._closed:
+            raise OperationalError("connect", None, ConnectionError("this hub is closed"))
+        if self.seat is not None:
+            self.seat.check_connection(connection, record)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -42,6 +42,7 @@ class HistoryFeature(Feature):
             on_connect=core.on_connect,
             shard=core.shard.name,
             plan=None if core.seat is None else core.seat.plan,
+            begin_anew=None if core.seat is None else core.seat.begin_anew,
         )
         self._core = core
         if isinstance(self.store, HistoryServers):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from talaia.hub.errors import HubError
 
-__all__ = ["HistoryAway", "HistoryBusy", "HistoryError"]
+__all__ = ["HistoryAway", "HistoryBusy", "HistoryElsewhere", "HistoryError"]
 
 
 class HistoryError(HubError):
@@ -20,6 +20,10 @@ class HistoryError(HubError):
 
 class HistoryAway(HistoryError):
     """The server that has a site's history cannot be used now; the hub goes on without it."""
+
+
+class HistoryElsewhere(HistoryAway):
+    """A site's history is another lead's; it may have been this one's a moment ago."""
 
 
 class HistoryBusy(HistoryError):

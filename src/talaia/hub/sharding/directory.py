@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import func, select
 
 from talaia.hub.auth.tokens import hash_token
+from talaia.hub.errors import StoreDown
 from talaia.hub.sharding.plan import MAIN
-from talaia.hub.store.history_servers.home_tables import history_homes
+from talaia.hub.store.history_servers.home_tables import OWN, history_homes
 from talaia.hub.store.sites.shared_lookup import SharedLookup
 from talaia.hub.store.tables import gateways, sites
 
@@ -25,18 +28,29 @@ if TYPE_CHECKING:
 
 __all__ = ["ShardDirectory"]
 
+_LOG = logging.getLogger(__name__)
+
 # That a site has no place yet holds so long (s): it may get one at any hub.
 _UNPLACED_S = 1.0
+# Between two looks for sites that have changed their shard (s).
+_LOOK_S = 0.5
 _MOST_UNPLACED = 1_000
 _MOST_KEYS = 10_000
 # Names in one query; more would be more parameters than some engines take.
 _AT_ONCE = 500
 
 
-class ShardDirectory:
-    """Tells the shard of a site; what it has found once holds, for no site changes its shard.
+class _Placed(NamedTuple):
+    """Where a site is; ``turn`` tells which of two is newer."""
 
-    It reads by connections of its own, which need no lead.
+    shard: str
+    turn: int
+
+
+class ShardDirectory:
+    """Tells the shard of a site; what it has found holds until the site changes its shard.
+
+    That it has is seen by `run`. It reads by connections of its own, which need no lead.
     """
 
     def __init__(
@@ -57,7 +71,9 @@ class ShardDirectory:
         self._homes = homes
         self._plan = plan
         self._first_home = first_home
-        self._shards: dict[str, str] = {}
+        self._shards: dict[str, _Placed] = {}
+        # The last change of a shard that was read.
+        self._turn = 0
         # By site: when it was without a place (monotonic, s).
         self._unplaced: dict[str, float] = {}
         # Gateways of thousands of sites may come at once.
@@ -68,10 +84,12 @@ class ShardDirectory:
 
     def known_shard(self, site: str) -> str | None:
         """Give the shard of a site that was asked about before; None: it has to be looked up."""
-        shard = self._shards.get(site)
-        if shard is None and time.monotonic() - self._unplaced.get(site, -1e9) < _UNPLACED_S:
+        placed = self._shards.get(site)
+        if placed is not None:
+            return placed.shard
+        if time.monotonic() - self._unplaced.get(site, -1e9) < _UNPLACED_S:
             return MAIN
-        return shard
+        return None
 
     async def find_shard(self, site: str) -> str:
         """Give the shard of a site; the main one, while it has no place of its own.
@@ -83,11 +101,9 @@ class ShardDirectory:
         shard = self.known_shard(site)
         if shard is not None:
             return shard
-        server = await self._asking.look_up(site)
-        if server is not None:
-            shard = self._shards[site] = self._plan.shard_of_server(server)
-            self._unplaced.pop(site, None)
-            return shard
+        found = await self._asking.look_up(site)
+        if found is not None:
+            return self._place(site, *found)
         if len(self._unplaced) >= _MOST_UNPLACED:
             self._unplaced.clear()
         self._unplaced[site] = time.monotonic()
@@ -100,9 +116,9 @@ class ShardDirectory:
             StoreDown: the database does not answer, and the site was not asked about before.
 
         """
-        shard = self._shards.get(site)
-        if shard is not None:
-            return shard
+        placed = self._shards.get(site)
+        if placed is not None:
+            return placed.shard
         # Not by what is remembered of a site without a place: it may have one by now.
         self._unplaced.pop(site, None)
         shard = await self.find_shard(site)
@@ -110,17 +126,14 @@ class ShardDirectory:
             return shard
         if await self._stored.look_up(site):
             # Of before sites were divided: its history is in the main database, and stays there.
-            self._shards[site] = MAIN
-            return MAIN
+            return self._place(site, OWN, 0)
         if not await self._registry.keys_of_site(site):
             return MAIN
         server = self._first_home(site, await self._count_sites())
         # One of the main shard, too, or another hub might place it elsewhere meanwhile. Another hub
         # may have been quicker: what stands then counts.
         home = await self._homes.add_home(site, server)
-        self._unplaced.pop(site, None)
-        shard = self._shards[site] = self._plan.shard_of_server(home.server)
-        return shard
+        return self._place(site, home.server, home.turn)
 
     async def find_site_of_key(self, key: str) -> str | None:
         """Give the site of a gateway that says its key; None: there is no such key.
@@ -153,15 +166,50 @@ class ShardDirectory:
         found = await self._registry.find_gateway(number)
         return None if found is None else found.site
 
+    async def run(self) -> None:
+        """Follow sites that change their shard, until cancelled."""
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            try:
+                await self.refresh()
+            except StoreDown as error:
+                # Whoever looks something up is told.
+                _LOG.debug("sites are led where they were: %s", error)
+
+    async def refresh(self) -> None:
+        """Read which sites have changed their shard.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        columns = (history_homes.c.site, history_homes.c.server, history_homes.c.turn)
+        query = select(*columns).where(history_homes.c.turn > self._turn)
+        async with self._database.read() as connection:
+            rows = (await connection.execute(query)).all()
+        for row in rows:
+            self._place(row.site, row.server, row.turn)
+            self._turn = max(self._turn, row.turn)
+
+    def _place(self, site: str, server: str, turn: int) -> str:
+        """Remember where a site is, unless something newer is known; give its shard."""
+        known = self._shards.get(site)
+        # A look-up may be older than what was told of a change meanwhile.
+        if known is None or known.turn <= turn:
+            known = self._shards[site] = _Placed(self._plan.shard_of_server(server), turn)
+        self._unplaced.pop(site, None)
+        return known.shard
+
     async def _count_sites(self) -> dict[str, int]:
         query = select(history_homes.c.server, func.count()).group_by(history_homes.c.server)
         async with self._database.read() as connection:
             rows = (await connection.execute(query)).all()
         return {row[0]: row[1] for row in rows}
 
-    async def _fetch_servers(self, names: Collection[str]) -> dict[str, str]:
-        rows = await self._fetch_rows((history_homes.c.site, history_homes.c.server), names)
-        return {row.site: row.server for row in rows}
+    async def _fetch_servers(self, names: Collection[str]) -> dict[str, tuple[str, int]]:
+        columns = (history_homes.c.site, history_homes.c.server, history_homes.c.turn)
+        rows = await self._fetch_rows(columns, names)
+        return {row.site: (row.server, int(row.turn)) for row in rows}
 
     async def _fetch_stored(self, names: Collection[str]) -> dict[str, bool]:
         return {row.site: True for row in await self._fetch_rows((sites.c.site,), names)}

@@ -101,7 +101,7 @@ class _JoinedPage:
         # By shard, while it has let the page in.
         self._open: dict[str, ShardSocket] = {}
         self._subscriptions = PageSubscriptions()
-        self._news = PageNews(join.known, self._subscriptions, join.apps)
+        self._news = PageNews(join.known, self._subscriptions, join.apps, site_came=self._lead_site)
         self._pongs = KeptPongs(join.clock)
         self._asked = AskedSites(join.shard_of, self._hand_up, limit_reached=self._drop)
         # By shard: has a socket there.
@@ -283,6 +283,15 @@ class _JoinedPage:
             self._end(_RESTARTS)
         for asked in self._subscriptions.of_shard(socket.shard):
             self._push(socket, asked)
+
+    def _lead_site(self, site: str, shard: str) -> None:
+        """Ask a shard that a site has come to for what is asked of that site."""
+        for sub, asked in self._subscriptions.of_site(site):
+            before = self._subscriptions.add(sub, shard, asked)
+            if before is not None and (former := self._open.get(before)) is not None:
+                self._push(former, end_message(sub, asked))
+            if before is not None and (socket := self._open.get(shard)) is not None:
+                self._push(socket, asked)
 
     def _note_passed(self, shard: str, data: bytes | str) -> None:
         """Follow what the page was told."""

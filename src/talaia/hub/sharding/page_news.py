@@ -9,7 +9,7 @@ from talaia.hub.sharding.page_frames import read_told
 from talaia.hub.sharding.plan import MAIN
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from talaia.hub.sharding.page_frames import ToldAbout
     from talaia.hub.sharding.page_subscriptions import PageSubscriptions
@@ -41,9 +41,18 @@ class PageNews:
     """
 
     def __init__(
-        self, known: KnownSites, subscriptions: PageSubscriptions, shards: Iterable[str]
+        self,
+        known: KnownSites,
+        subscriptions: PageSubscriptions,
+        shards: Iterable[str],
+        *,
+        site_came: Callable[[str, str], None],
     ) -> None:
-        """Note in ``known`` what is told of sites; ``subscriptions`` are the page's."""
+        """Note in ``known`` what is told of sites; ``subscriptions`` are the page's.
+
+        ``site_came`` hears of a site and the shard that has it now, where another one had it.
+        """
+        self._site_came = site_came
         self._known = known
         self._subscriptions = subscriptions
         # By shard, the sites that it has told this page of.
@@ -84,7 +93,13 @@ class PageNews:
     def _remember_site(self, shard: str, told: ToldAbout) -> None:
         # One text for all pages: there may be thousands of sites.
         site = sys.intern(told.site)
-        self._sites[shard].add(site)
         self._known.shards[site] = shard
         if told.catalogue:
             self._known.catalogues[site] = told.catalogue
+        if site in self._sites[shard]:
+            return
+        self._sites[shard].add(site)
+        for other, sites in self._sites.items():
+            if other != shard and site in sites:
+                sites.discard(site)
+                self._site_came(site, shard)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.sharding.page_frames import data_of
+from talaia.hub.sharding.page_frames import data_of, read_asked
 from talaia.hub.sharding.plan import MAIN
 from talaia.wire.browser import FROM_BROWSER, Unsubscribe
 
@@ -75,6 +75,15 @@ class PageSubscriptions:
     def of_shard(self, shard: str) -> list[Message]:
         """Give how those of a shard were asked for, in that order."""
         return [message for sub, message in self._asked.items() if self._owners[sub] == shard]
+
+    def of_site(self, site: str) -> list[tuple[int, Message]]:
+        """Give how those of a site were asked for, with their numbers."""
+        found = []
+        for sub, message in self._asked.items():
+            asked = read_asked(data_of(message))
+            if asked is not None and asked.site == site:
+                found.append((sub, message))
+        return found
 
     def is_from(self, sub: int, shard: str) -> bool:
         """Tell whether what a shard says under a number is of what the page has under it."""

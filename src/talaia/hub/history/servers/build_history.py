@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 from talaia.hub.errors import CannotStart
 from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.history.servers.server_file import read_history_servers
+from talaia.hub.history.servers.shard_passage import ShardPassage
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.sharding.plan import MAIN, ShardPlan
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_servers.home_tables import OWN
+from talaia.hub.store.history_servers.shard_handover import ShardHandover
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from talaia.clock import Clock
@@ -33,6 +36,7 @@ def build_history(
     on_connect: OnConnect | None = None,
     shard: str | None = None,
     plan: ShardPlan | None = None,
+    begin_anew: Callable[[], None] | None = None,
 ) -> HistoryStore | HistoryServers:
     """Make it; nothing is opened yet.
 
@@ -44,6 +48,7 @@ def build_history(
         on_connect: looks at each new connection to the hub's own database; none: nobody need.
         shard: of the hub that has it; none: it is of a command, which has all shards.
         plan: which shards there are for that hub; none: its sites are not divided.
+        begin_anew: lets that hub close and open again: sites have gone to another shard, or come.
 
     Raises:
         CannotStart: the file that names servers cannot be used.
@@ -62,6 +67,9 @@ def build_history(
     named = read_history_servers(file)
     if shard is not None:
         _check_plan(file, named.plan, plan or ShardPlan())
+    passage = None
+    if divided and begin_anew is not None:
+        passage = ShardPassage(ShardHandover(database), settings.url, begin_anew)
     return HistoryServers(
         own,
         named,
@@ -69,6 +77,7 @@ def build_history(
         clock=clock,
         limits=limits,
         shard=shard if divided else None,
+        passage=passage,
     )
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.servers.server_file import HistoryServersFile
+    from talaia.hub.history.servers.shard_passage import ShardPassage
     from talaia.hub.history.storage import Storage
     from talaia.hub.history.store import HistoryStore
     from talaia.hub.store.history_servers.history_homes import HistoryHomes
@@ -73,6 +74,7 @@ class HistoryServers:
         limits: HistoryLimits,
         still_s: float = STILL_S,
         shard: str | None = None,
+        passage: ShardPassage | None = None,
     ) -> None:
         """Have ``own``, the hub's own database, and those that are ``named``.
 
@@ -84,6 +86,7 @@ class HistoryServers:
             limits: of each of them.
             still_s: one that does not answer for so long is away.
             shard: have this one's servers alone; none: have all.
+            passage: by which sites go to other shards, and come; none: they do not.
 
         Raises:
             HistoryError: a URL cannot be read, or its driver is not installed.
@@ -99,7 +102,9 @@ class HistoryServers:
         # Which of them has which site.
         self.places = SitePlaces(own, self._servers, named, homes, shard=shard)
         self.descriptions = LateDescriptions(self.places)
-        self._moves = SiteMoves(self.places, self.descriptions, homes)
+        self._passage = passage
+        arrivals = passage and passage.make_arrivals(self.places, self.descriptions, homes, named)
+        self._moves = SiteMoves(self.places, self.descriptions, homes, arrivals)
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -111,9 +116,12 @@ class HistoryServers:
         """
         if self._own is not None:
             await self._own.open()
+        if self._passage is not None:
+            # Before anything is written: what the lead of before held is held no more.
+            await self._passage.handover.end_holds(self.places.list_servers())
         for home in await self._homes.list_homes():
-            for name in filter(None, (home.server, home.moving_to, home.erase_at)):
-                if name != OWN and name not in self._named.servers:
+            for name in (home.server, home.moving_to, home.erase_at):
+                if name not in {"", OWN, *self._named.servers}:
                     raise CannotStart(
                         f"the history of {home.site} is on the server {name!r}, which"
                         " --history-servers does not name",
@@ -137,6 +145,9 @@ class HistoryServers:
             for server in self._servers.values():
                 group.create_task(self._keep_server(server), name=f"keep {server.name}")
             group.create_task(self._keep_moving(), name="move sites")
+            if self._passage is not None:
+                holds = self._passage.make_holds(self.places, self._homes)
+                group.create_task(holds.run(), name="answer other shards")
 
     async def mend_servers(self) -> None:
         """Open servers that have come back, and describe to them what came meanwhile."""

@@ -51,6 +51,8 @@ class LateDescriptions:
     async def describe_late(self, server: str) -> None:
         """Describe to a server what came while it was away."""
         for site in sorted(self._late):
+            if self._places.is_held(site):
+                continue
             store = self._places.opened_store(site)
             if self._places.home_of.get(site, OWN) != server or store is None or store.trouble:
                 continue

@@ -10,7 +10,7 @@ from collections import Counter
 from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING
 
-from talaia.hub.history.errors import HistoryAway
+from talaia.hub.history.errors import HistoryAway, HistoryElsewhere
 from talaia.hub.sharding.plan import MAIN
 from talaia.hub.store.history_servers.home_tables import OWN
 
@@ -52,6 +52,8 @@ class SitePlaces:
         self.home_of: dict[str, str] = {}
         # Sites of which nothing is written for a moment, each with what is set when it goes on.
         self._gates: dict[str, asyncio.Event] = {}
+        # Sites that another lead may have by now: nothing of them is written before it is known.
+        self._shut: set[str] = set()
         # Descriptions and new names of a site come one after the other, and not within a move.
         self._describing: dict[str, asyncio.Lock] = {}
         # Who reads a site on a server now: what is there is not erased meanwhile.
@@ -70,12 +72,17 @@ class SitePlaces:
             return self._own
         if name not in self._servers:
             shard = self._named.plan.shard_of_server(name)
-            raise HistoryAway(f"histories on {name!r} are of the shard {shard!r}", "ask its lead")
+            said = f"histories on {name!r} are of the shard {shard!r}"
+            raise HistoryElsewhere(said, "ask its lead")
         return self._servers[name].use_store()
 
     def has_server(self, name: str) -> bool:
         """Tell whether a server is one of these, there or away."""
         return name in self._servers or (name == OWN and self._own is not None)
+
+    def list_servers(self) -> list[str]:
+        """Name these servers, there or away."""
+        return list(self._servers) if self._own is None else [OWN, *self._servers]
 
     def open_stores(self) -> list[HistoryStore]:
         """Give the histories of all that are there."""
@@ -111,15 +118,24 @@ class SitePlaces:
     async def _ask_home(self, site: str) -> str:
         found = await self._homes.find_home(site)
         if found is None:
-            raise HistoryAway(f"{site} is of the shard {MAIN!r}", "ask its lead")
+            raise HistoryElsewhere(f"{site} is of the shard {MAIN!r}", "ask its lead")
         return self.home_of.setdefault(site, found.server)
 
     async def writing_store(self, site: str) -> HistoryStore:
-        """Give where a site is written; nothing may be awaited until something is asked of it."""
+        """Give where a site is written; nothing may be awaited until something is asked of it.
+
+        Raises:
+            HistoryAway: it is away, or another shard's.
+            StoreDown: the accounts' database does not answer.
+
+        """
         while True:
             home = await self.find_home(site)
             gate = self._gates.get(site)
             if gate is None:
+                if site in self._shut:
+                    said = f"the history of {site} goes to another shard"
+                    raise HistoryElsewhere(said, "come again")
                 return self.store_named(home)
             await gate.wait()
 
@@ -167,7 +183,15 @@ class SitePlaces:
 
     def is_held(self, site: str) -> bool:
         """Tell whether nothing of a site is written at present."""
-        return site in self._gates
+        return site in self._gates or site in self._shut
+
+    def shut_site(self, site: str) -> None:
+        """Write nothing of a site any more, whatever becomes of who holds it."""
+        self._shut.add(site)
+
+    def unshut_site(self, site: str) -> None:
+        """Write a site again: it is known whose it is."""
+        self._shut.discard(site)
 
     @asynccontextmanager
     async def hold_writes(self, site: str) -> AsyncIterator[None]:

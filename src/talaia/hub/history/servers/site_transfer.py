@@ -1,21 +1,17 @@
-"""What of a site is on one server, given to another one, taken from another one, and erased.
-
-Long, because both sides of a move must agree on every row.
-"""
+"""What of a site is on one server, given to another one, taken from another one, and erased."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import delete, or_, select
+from sqlalchemy import delete, select
 
-from talaia.hub.history.blocks.rollup import WIDTHS
 from talaia.hub.history.sensors.sensor_views import adopt_sensors, drop_sensors, read_sensors
+from talaia.hub.history.servers import site_reads
 from talaia.hub.history.writing.writer_jobs import (
     Adopt,
     AdoptRuns,
     Forget,
-    GapJob,
     ReadRuns,
     SealSite,
 )
@@ -28,33 +24,18 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.database_threads import DatabaseThreads
     from talaia.hub.history.sensors.sensor_registry import SensorRegistry
+    from talaia.hub.history.servers.site_reads import SiteChannel, StoredBlock
     from talaia.hub.history.writing.block_index import BlockIndex
     from talaia.hub.history.writing.tidying import Tidier
     from talaia.hub.history.writing.writer import Writer
+    from talaia.hub.history.writing.writer_jobs import GapJob
 
-__all__ = ["CopiedChannel", "SiteChannel", "SiteTransfer", "StoredBlock"]
+__all__ = ["CopiedChannel", "SiteTransfer"]
 
 # Rows deleted, and readings copied, in one transaction.
 _ROWS = 5_000
 _BLOCKS = 256
 _channel, _block = tables.channel, tables.block
-
-
-class SiteChannel(NamedTuple):
-    """A channel as it stands on its server; ``since_us``: since when it has been known."""
-
-    id: int
-    address: str
-    since_us: int
-
-
-class StoredBlock(NamedTuple):
-    """Where a block stands."""
-
-    channel: int
-    first_us: int
-    last_us: int
-    id: int
 
 
 class CopiedChannel(NamedTuple):
@@ -102,24 +83,24 @@ class SiteTransfer:
 
     async def list_channels(self, site: str) -> list[SiteChannel]:
         """List a site's channels, with samples or without."""
-        return await self._threads.run_query(_list_channels, self._reading, site)
+        return await self._threads.run_query(site_reads.list_channels, self._reading, site)
 
     async def list_blocks(self, site: str) -> list[StoredBlock]:
         """List a site's blocks, by channel and number."""
-        return await self._threads.run_query(_list_blocks, self._reading, site)
+        return await self._threads.run_query(site_reads.list_blocks, self._reading, site)
 
     async def read_blocks(
         self, blocks: Sequence[StoredBlock]
     ) -> tuple[list[tuple[dict[str, Any], bytes]], list[dict[str, Any]]]:
         """Read blocks with their bodies, and the rollup rows in which they are."""
-        return await self._threads.run_query(_read_blocks, self._reading, blocks)
+        return await self._threads.run_query(site_reads.read_blocks, self._reading, blocks)
 
     async def read_recent(
         self, channels: Sequence[SiteChannel], after: tuple[int, int]
     ) -> list[dict[str, Any]]:
         """Read some of the readings that views show, after a time and a channel."""
         ids = [channel.id for channel in channels]
-        return await self._threads.run_query(_read_recent, self._reading, ids, after)
+        return await self._threads.run_query(site_reads.read_recent, self._reading, ids, after)
 
     async def read_sensors(self, site: str) -> list[dict[str, Any]]:
         """Read what a site's sensors are, and were."""
@@ -137,6 +118,10 @@ class SiteTransfer:
         while await self._writer.complete_job(SealSite(site)):
             pass
 
+    async def write_runs(self, site: str) -> None:
+        """Have in the database what of each boot is stored, for others who read it there."""
+        await self._writer.complete_job(AdoptRuns(site, {}))
+
     async def read_runs(self, site: str) -> dict[str, list[tuple[int, int]]]:
         """Give what of each boot is stored."""
         found: dict[str, list[tuple[int, int]]] = {}
@@ -145,7 +130,7 @@ class SiteTransfer:
 
     async def read_gaps(self, site: str) -> list[GapJob]:
         """Give what of each boot is lost, as it is written."""
-        return await self._threads.run_query(_read_gaps, self._reading, site)
+        return await self._threads.run_query(site_reads.read_gaps, self._reading, site)
 
     # ── where it goes ──
 
@@ -187,99 +172,6 @@ class SiteTransfer:
         while await self._threads.run_query(_erase_some, self._writing, site):
             pass
         await self._writer.complete_job(Forget(site))
-
-
-def _list_channels(engine: Engine, site: str) -> list[SiteChannel]:
-    query = (
-        select(_channel.c.id, _channel.c.address, _channel.c.since_us)
-        .where(_channel.c.site == site)
-        .order_by(_channel.c.id)
-    )
-    with engine.begin() as connection:
-        return [SiteChannel(*row) for row in connection.execute(query)]
-
-
-def _list_blocks(engine: Engine, site: str) -> list[StoredBlock]:
-    query = (
-        select(_block.c.channel_id, _block.c.first_us, _block.c.last_us, _block.c.id)
-        .join(_channel, _channel.c.id == _block.c.channel_id)
-        .where(_channel.c.site == site)
-        .order_by(_block.c.channel_id, _block.c.id)
-    )
-    with engine.begin() as connection:
-        return [StoredBlock(*row) for row in connection.execute(query)]
-
-
-def _read_blocks(
-    engine: Engine, blocks: Sequence[StoredBlock]
-) -> tuple[list[tuple[dict[str, Any], bytes]], list[dict[str, Any]]]:
-    body = tables.body
-    ids = [block.id for block in blocks]
-    with engine.begin() as connection:
-        bodies = {
-            row.block_id: bytes(row.body)
-            for row in connection.execute(select(body).where(body.c.block_id.in_(ids)))
-        }
-        rows = []
-        rollups: list[dict[str, Any]] = []
-        for channel in dict.fromkeys(block.channel for block in blocks):
-            mine = [block for block in blocks if block.channel == channel]
-            query = select(_block).where(
-                _block.c.channel_id == channel,
-                _block.c.first_us.in_([block.first_us for block in mine]),
-                _block.c.id.in_([block.id for block in mine]),
-            )
-            found = connection.execute(query.order_by(_block.c.id)).mappings()
-            rows += [(dict(row), bodies[row["id"]]) for row in found if row["id"] in bodies]
-            table = tables.rollup
-            from_us = min(block.first_us for block in mine)
-            to_us = max(block.last_us for block in mine)
-            # Each row stands for all samples of its time: it is right once all blocks have come.
-            overlapping = or_(
-                *(
-                    (table.c.width_us == width_us)
-                    & (table.c.bucket_us >= from_us // width_us * width_us)
-                    & (table.c.bucket_us <= to_us)
-                    for width_us in WIDTHS
-                )
-            )
-            query = select(table).where(table.c.channel_id == channel, overlapping)
-            rollups += [dict(row) for row in connection.execute(query).mappings()]
-    return rows, rollups
-
-
-def _read_recent(
-    engine: Engine, channels: Sequence[int], after: tuple[int, int]
-) -> list[dict[str, Any]]:
-    table = tables.recent
-    time_us, channel = after
-    query = (
-        select(table)
-        .where(
-            or_(
-                table.c.time_us > time_us,
-                (table.c.time_us == time_us) & (table.c.channel_id > channel),
-            ),
-            table.c.channel_id.in_(channels),
-        )
-        .order_by(table.c.time_us, table.c.channel_id)
-        .limit(_ROWS)
-    )
-    with engine.begin() as connection:
-        return [dict(row) for row in connection.execute(query).mappings()]
-
-
-def _read_gaps(engine: Engine, site: str) -> list[GapJob]:
-    gap, boot = tables.gap, tables.boot
-    query = (
-        select(
-            boot.c.boot, gap.c.first_seq, gap.c.last_seq, gap.c.from_us, gap.c.to_us, gap.c.reason
-        )
-        .join(boot, boot.c.id == gap.c.boot_id)
-        .where(boot.c.site == site)
-    )
-    with engine.begin() as connection:
-        return [GapJob(site, *row) for row in connection.execute(query)]
 
 
 def _read_copied(engine: Engine, site: str) -> dict[int, CopiedChannel]:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
+from talaia.hub.history.errors import HistoryElsewhere
 from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
 from talaia.wire.columns import join_columns
 from talaia.wire.frames import Ack, ResendRequest, SampleGap
@@ -182,8 +183,11 @@ class Ingest:
             while self._waiting:
                 try:
                     await self._store_some()
-                except (SQLAlchemyError, TalaiaError, OSError):
-                    if not failing:
+                except (SQLAlchemyError, TalaiaError, OSError) as error:
+                    if isinstance(error, HistoryElsewhere):
+                        # No failure: this hub is about to let the site's gateway go.
+                        _LOG.warning("samples of %s wait for another hub: %s", self._site, error)
+                    elif not failing:
                         _LOG.exception("samples of %s cannot be stored; they wait", self._site)
                     failing = True
                     # The gateway keeps what is not acknowledged, and sends it on its next link.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import insert, select, update
+from sqlalchemy import func, insert, select, update
 
 from talaia.hub.store.history_servers.home_tables import history_homes, history_term
 
@@ -30,6 +30,11 @@ class HistoryHome(NamedTuple):
         erase_at: where what was left behind is still to be erased; empty: nowhere.
         done_blocks: of ``all_blocks`` have been copied.
         problem: what the move waits for, in words; empty: it goes on.
+        hold: what the leads of two shards say to each other about a move between them; see
+            `talaia.hub.store.history_servers.shard_handover`.
+        led_by: the server whose shard leads the site though it has moved; empty: that of
+            ``server``; `NOBODY`: it has let go.
+        turn: rises over all sites whenever one changes its server.
 
     """
 
@@ -41,6 +46,9 @@ class HistoryHome(NamedTuple):
     done_blocks: int
     all_blocks: int
     problem: str
+    hold: str = ""
+    led_by: str = ""
+    turn: int = 0
 
 
 class HistoryHomes:
@@ -104,12 +112,20 @@ class HistoryHomes:
             if found.moving_to == server:
                 return found
             if server == found.server:
-                # What has come to the other place goes.
-                erase_at = found.moving_to or found.erase_at
-                asked = found._replace(moving_to="", move="", erase_at=erase_at, problem="")
+                # What has come to the other place goes; nothing has while an older rest is there.
+                erase_at = found.erase_at or found.moving_to
+                asked = found._replace(
+                    moving_to="", move="", erase_at=erase_at, problem="", hold=""
+                )
             else:
-                move = secrets.token_hex(8)
-                asked = HistoryHome(site, found.server, server, move, found.erase_at, 0, 0, "")
+                asked = found._replace(
+                    moving_to=server,
+                    move=secrets.token_hex(8),
+                    done_blocks=0,
+                    all_blocks=0,
+                    problem="",
+                    hold="",
+                )
             await connection.execute(
                 update(_home).where(_home.c.site == site).values(**asked._asdict())
             )
@@ -134,8 +150,11 @@ class HistoryHomes:
                 .values(**said)
             )
 
-    async def switch_home(self, home: HistoryHome) -> bool:
+    async def switch_home(self, home: HistoryHome, *, led_by: str = "") -> bool:
         """Let a site's history be where it moves: this commit is the move.
+
+        ``led_by``: the server whose shard leads the site on until it lets go. Then ``home.hold``
+        has to be what stands there: either this or the end of the hold happens.
 
         Returns:
             False when it was asked for otherwise meanwhile.
@@ -144,14 +163,15 @@ class HistoryHomes:
             StoreDown: it is not known whether it is done.
 
         """
+        held = (_home.c.hold == home.hold,) if led_by else ()
+        moved = {"server": home.moving_to, "erase_at": home.server, "led_by": led_by}
         async with self._database.write() as connection:
+            turn = int(await connection.scalar(select(func.max(_home.c.turn))) or 0) + 1
             result = await connection.execute(
                 update(_home)
                 .where(_home.c.site == home.site, _home.c.move == home.move)
-                .where(_home.c.server == home.server, _home.c.moving_to == home.moving_to)
-                .values(
-                    server=home.moving_to, erase_at=home.server, moving_to="", move="", problem=""
-                )
+                .where(_home.c.server == home.server, _home.c.moving_to == home.moving_to, *held)
+                .values(moving_to="", move="", hold="", problem="", turn=turn, **moved)
             )
         return result.rowcount == 1
 
