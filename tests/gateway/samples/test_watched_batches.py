@@ -74,7 +74,8 @@ class Gateway:
         self.loop = HandLoop()
         # Per batch: when, first number, channels and values.
         self.out: list[tuple[float, int, list[int], list[float]]] = []
-        self.hurried: list[frozenset[str]] = []
+        # Which devices are read how often (s).
+        self.hurried: list[tuple[frozenset[str], float]] = []
         self.batcher = Batcher(
             loop=cast("asyncio.AbstractEventLoop", self.loop),
             boot="b",
@@ -88,8 +89,8 @@ class Gateway:
         self.watch = SignalWatch(batches=self.batcher, reader=self, listed=lambda: ("c", CHANNELS))
         self.put = 0
 
-    def watch_devices(self, devices: frozenset[str]) -> None:
-        self.hurried.append(devices)
+    def watch_devices(self, devices: frozenset[str], turn_s: float) -> None:
+        self.hurried.append((devices, turn_s))
 
     def subscribe(self, *places: int, catalogue: str = "c", every_ms: int = 0) -> None:
         channels = np.array(places, "<u2").tobytes()
