@@ -2,9 +2,9 @@
 
 Why not an executor: rclpy's own costs 115 to 126 µs of CPU for each message, since it rebuilds its
 wait set at every turn and wakes for each message; one that drains all ready subscriptions and
-then lets 10 ms pass costs a fifth of it, and with 20 ms less. While nothing comes it blocks and costs nothing. While
-something comes it does not ask the wait set what is ready: to fill that costs as much as to try to
-take from each.
+then lets 10 ms pass costs a fifth of it, and with 20 ms less. While nothing comes it blocks and
+costs nothing. While something comes it does not ask the wait set what is ready: to fill that costs
+as much as to try to take from each.
 
 Entities are made, used and destroyed on this thread only, so none can vanish while it is taken
 from. Other threads leave jobs.
