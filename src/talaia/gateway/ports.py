@@ -286,8 +286,8 @@ class LogSink(Protocol):
 class PacedAdapter(Protocol):
     """An adapter that reads what came in turns, which are shorter while somebody looks."""
 
-    def shorten_turns(self, *, wanted: bool) -> None:
-        """Read soon what the robot says, or in the usual turns, which cost less; event loop."""
+    def shorten_turns(self, turn_s: float) -> None:
+        """Read what the robot says so often (s); `math.inf`: nobody looks; event loop."""
         ...
 
 
@@ -295,7 +295,7 @@ class ReadingSource(Protocol):
     """Gives the newest reading of the channels that safety depends on.
 
     Readings are taken before rate limit and deadband, and no later than the adapter's pacing
-    (about 10 ms) after the robot's message came.
+    (about 20 ms) after the robot's message came.
     """
 
     def latest(self, address: str) -> ChannelReading | None:

@@ -144,7 +144,7 @@ class GatewaySettings:
     spool_bytes: int = 1024 * 1024 * 1024
     spool_age_s: float = 14 * 86400.0
     spare_bytes: int = 64 * 1024 * 1024
-    flush: float = 0.02
+    flush: float = 0.04
     sync: float = 1.0
     outbox_bytes: int = 4 * 1024 * 1024 * 1024
     upload_bytes: int = 1024 * 1024

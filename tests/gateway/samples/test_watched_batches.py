@@ -74,7 +74,8 @@ class Gateway:
         self.loop = HandLoop()
         # Per batch: when, first number, channels and values.
         self.out: list[tuple[float, int, list[int], list[float]]] = []
-        self.hurried: list[frozenset[str]] = []
+        # Which devices are read how often (s).
+        self.hurried: list[tuple[frozenset[str], float]] = []
         self.batcher = Batcher(
             loop=cast("asyncio.AbstractEventLoop", self.loop),
             boot="b",
@@ -88,8 +89,8 @@ class Gateway:
         self.watch = SignalWatch(batches=self.batcher, reader=self, listed=lambda: ("c", CHANNELS))
         self.put = 0
 
-    def watch_devices(self, devices: frozenset[str]) -> None:
-        self.hurried.append(devices)
+    def watch_devices(self, devices: frozenset[str], turn_s: float) -> None:
+        self.hurried.append((devices, turn_s))
 
     def subscribe(self, *places: int, catalogue: str = "c", every_ms: int = 0) -> None:
         channels = np.array(places, "<u2").tobytes()
@@ -180,12 +181,11 @@ def test_what_is_watched_waits_for_the_next_turn_at_most() -> None:
     assert second <= 1.25 * SOON_S
 
 
-def test_for_a_chart_batches_are_made_sooner_and_the_robot_is_read_as_ever() -> None:
+def test_for_a_chart_batches_are_made_sooner_and_the_robot_is_read_more_often() -> None:
     gateway = Gateway()
     gateway.subscribe(0, every_ms=50)
-    assert gateway.hurried == [frozenset()]
+    assert gateway.hurried == [(frozenset({"dome"}), 0.01)]
     gateway.loop.run_for(1.0)
-    # An adapter's usual turns.
     said = talk(gateway, 100, 0.01, 0)
     assert max(gateway.ages_s(0, said)) < 0.0001
     gateway.out.clear()
@@ -197,9 +197,9 @@ def test_who_leaves_makes_it_slow_again_and_so_does_a_lost_link() -> None:
     for leave in (lambda gateway: gateway.subscribe(), lambda gateway: gateway.watch.link_lost()):
         gateway = Gateway()
         gateway.subscribe(0, 1)
-        assert gateway.hurried == [frozenset({"dome"})]
+        assert gateway.hurried == [(frozenset({"dome"}), SOON_S)]
         leave(gateway)
-        assert gateway.hurried[-1] == frozenset()
+        assert not gateway.hurried[-1][0]
         talk(gateway, 200, SOON_S, 0)
         assert len(gateway.out) <= 1.0 / (0.75 * USUAL_S) + 2
 
@@ -209,9 +209,9 @@ def test_a_subscription_of_another_list_or_of_no_channel_changes_nothing() -> No
     gateway.subscribe(1, 2, catalogue="other")
     assert gateway.hurried == []
     gateway.subscribe(7, 65_535)
-    assert gateway.hurried == [frozenset()]
+    assert gateway.hurried == [(frozenset(), SOON_S)]
     gateway.watch.subscribe(SignalSubscription(catalogue="c", channels=b"\x00\x00\x01"))
-    assert gateway.hurried[-1] == frozenset({"dome"})
+    assert gateway.hurried[-1] == (frozenset({"dome"}), SOON_S)
 
 
 def test_what_is_watched_is_found_by_the_description_that_counts() -> None:

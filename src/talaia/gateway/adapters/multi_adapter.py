@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.null_adapter import NullAdapter
@@ -98,6 +99,7 @@ class MultiAdapter:
         self._tapped: frozenset[str] = frozenset()  # Raw topics that are heard, likewise.
         self._graph_wanted = False  # Whether nodes are listed, likewise.
         self._watched: frozenset[str] = frozenset()  # Devices that somebody looks at, likewise.
+        self._turn_s = math.inf  # What they say is read so often (s).
         # While `run` is under way; adapters are begun in it.
         self._group: asyncio.TaskGroup | None = None
         self._tasks: dict[str, asyncio.Task[None]] = {}  # By connection: what runs its adapter.
@@ -161,7 +163,7 @@ class MultiAdapter:
         self.watch(self._streams)
         self.tap_topics(self._tapped)
         self.watch_graph(wanted=self._graph_wanted)
-        self.watch_devices(self._watched)
+        self.watch_devices(self._watched, self._turn_s)
 
     def _begin_adapter(self, name: str) -> None:
         if self._group is None:
@@ -246,13 +248,13 @@ class MultiAdapter:
             if isinstance(adapter, GraphSource):
                 adapter.watch_graph(wanted=wanted)
 
-    def watch_devices(self, devices: frozenset[str]) -> None:
-        """Read soon the connections of these devices, for somebody looks; see `PacedAdapter`."""
-        self._watched = devices
+    def watch_devices(self, devices: frozenset[str], turn_s: float) -> None:
+        """Read so often (s) the connections of these devices; see `PacedAdapter`."""
+        self._watched, self._turn_s = devices, turn_s
         watched = {self._of.get(device) for device in devices}
         for name, (adapter, _) in self._adapters.items():
             if isinstance(adapter, PacedAdapter):
-                adapter.shorten_turns(wanted=name in watched)
+                adapter.shorten_turns(turn_s if name in watched else math.inf)
 
     def define_type(
         self, connection: str, type_name: str, done: Callable[[TopicDefinition | str], None]

@@ -1,4 +1,4 @@
-"""Samples from adapter threads become numbered batches, about one every 20 ms.
+"""Samples from adapter threads become numbered batches, about one every 40 ms.
 
 Long, because threads and the loop meet in one queue, and what is taken from it when is one thing:
 what somebody at the hub looks at goes out sooner, in batches of its own; the rest keeps its pace.

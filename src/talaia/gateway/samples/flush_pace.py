@@ -14,6 +14,8 @@ SOON_S = 0.005
 # Of the time in which somebody wants one sample, so much may be between two batches: it is seen
 # no more then.
 _SEEN_SHARE = 0.2
+# What is watched waits no longer than this (s), whatever a batch costs.
+_SOON_MOST_S = 0.020
 # Batches that are made soon take at most this share of the event loop: where one costs much, as
 # on a small machine or of very many samples, the next one comes later.
 _MOST_SHARE = 0.05
@@ -50,7 +52,7 @@ class FlushPace:
     def soon_s(self) -> float:
         """About so much time is between two batches of what is watched (s)."""
         least_s = max(SOON_S, _SEEN_SHARE * self.wanted_s, self._cost_s / _MOST_SHARE)
-        return min(self._usual_s, least_s)
+        return min(self._usual_s, _SOON_MOST_S, least_s)
 
     def begin_batch(self, now_s: float, *, whole: bool) -> None:
         """Count from now on: a batch is made, of all that waits or of what is watched alone."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+
+from talaia.gateway.samples.flush_pace import SOON_S
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,8 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["PacedBatches", "PacedReader", "SignalWatch"]
 
 # Who wants a sample no more often than this (ms) does not see whether it was read a little sooner:
-# the robot's side keeps its turns, and only batches are made sooner.
-_TURNS_MS = 50
+# the robot is read this often (s) for them.
+_SEEN_MS, _SEEN_TURN_S = 50, 0.010
 
 
 class PacedBatches(Protocol):
@@ -33,8 +36,8 @@ class PacedBatches(Protocol):
 class PacedReader(Protocol):
     """Reads the robot; see `MultiAdapter`."""
 
-    def watch_devices(self, devices: frozenset[str]) -> None:
-        """Read what these devices say soon, and that of others as ever."""
+    def watch_devices(self, devices: frozenset[str], turn_s: float) -> None:
+        """Read what these devices say so often (s), and that of others as ever."""
         ...
 
 
@@ -61,12 +64,12 @@ class SignalWatch:
         places = places[places < len(addresses)]
         # The hub speaks of a list that counts no more, and will speak of the new one soon.
         if self._batches.watch_channels(asked.catalogue, places, asked.every_ms / 1000):
-            hurried = places if asked.every_ms < _TURNS_MS else places[:0]
-            named = {addresses[place].partition("/")[0] for place in hurried.tolist()}
-            self._reader.watch_devices(frozenset(named))
+            named = {addresses[place].partition("/")[0] for place in places.tolist()}
+            turn_s = SOON_S if asked.every_ms < _SEEN_MS else _SEEN_TURN_S
+            self._reader.watch_devices(frozenset(named), turn_s)
 
     def link_lost(self) -> None:
         """Hurry no more: nobody can look."""
         catalogue, _ = self._listed()
         self._batches.watch_channels(catalogue, np.empty(0, np.uint16))
-        self._reader.watch_devices(frozenset())
+        self._reader.watch_devices(frozenset(), math.inf)

@@ -9,7 +9,7 @@ import numpy as np
 
 from talaia.hub.live.gateways.ingest import Batch, Ingest, StoringPace
 from talaia.wire.columns import Columns
-from talaia.wire.frames import Ack
+from talaia.wire.frames import Ack, ResendRequest
 
 if TYPE_CHECKING:
     from talaia.hub.ports import History
@@ -66,6 +66,40 @@ async def test_who_catches_up_is_stored_without_gathering() -> None:
     storing.cancel()
     assert sum(count for _, count in history.stored) == 400_000
     assert len(history.stored) > 1
+
+
+class HandPace(StoringPace):
+    """It is time to store when a test says so."""
+
+    def __init__(self) -> None:  # noqa: D107
+        super().__init__(3600.0)
+        self.asked: list[asyncio.Event] = []
+
+    def set_soon(self, event: asyncio.Event) -> None:
+        self.asked.append(event)
+
+
+async def test_what_comes_within_a_commit_is_gathered_for_the_next_one() -> None:
+    history, told, pace = SlowHistory(), asyncio.Queue[Ack | ResendRequest](), HandPace()
+    ingest = Ingest(cast("History", history), "site", told.put_nowait, pace)
+    storing = asyncio.create_task(ingest.run())
+    await feed(ingest, 3)
+    pace.asked.pop().set()
+    # Into its commit, which takes a few turns.
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    for number in (3, 4):
+        ingest.enqueue_batch(batch(number))
+    assert await told.get() == Ack(boot="run", below=3)
+    for _ in range(20):
+        await asyncio.sleep(0)
+    assert history.stored == [(0, 3)]
+    # Asked for once, though two came.
+    pace.asked.pop().set()
+    assert pace.asked == []
+    assert await told.get() == Ack(boot="run", below=5)
+    assert history.stored == [(0, 3), (3, 2)]
+    storing.cancel()
 
 
 async def test_the_end_stores_what_waits_without_gathering() -> None:

@@ -143,9 +143,9 @@ class Ros2Adapter:
         if self._thread is not None:
             self._thread.run_soon(self._update_subscriptions)
 
-    def shorten_turns(self, *, wanted: bool) -> None:
+    def shorten_turns(self, turn_s: float) -> None:
         """See `PacedAdapter.shorten_turns`."""
-        self._source.shorten_turns(wanted=wanted)
+        self._source.shorten_turns(turn_s)
 
     def tap_topics(self, topics: frozenset[str]) -> None:
         """See `TopicSource.tap_topics`."""

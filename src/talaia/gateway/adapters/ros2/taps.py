@@ -15,7 +15,6 @@ from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.type_definitions.definition_text import definition_text
 from talaia.gateway.adapters.ros2.type_definitions.installed_package import installed_definition
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import hash_of
-from talaia.gateway.samples.flush_pace import SOON_S
 from talaia.gateway.tap_ports import ListedTopic, TopicDefinition
 
 if TYPE_CHECKING:
@@ -59,8 +58,8 @@ class Ros2TopicSource:
         self._taps: Ros2Taps | None = None
         self._thread: WaitThread | None = None
         self._turn = 0
-        # Somebody looks at signals that are read by the same thread.
-        self._hurried = False
+        # Signals that are read by the same thread are wanted so often (s).
+        self._turn_s = PACE_S
         # Replaced, so any thread may read it; the reader is made and let go as `_taps` is.
         self._graph_wanted = False
         self._graph: GraphReader | None = None
@@ -88,10 +87,10 @@ class Ros2TopicSource:
         if taps is not None:
             taps.close()
 
-    def shorten_turns(self, *, wanted: bool) -> None:
+    def shorten_turns(self, turn_s: float) -> None:
         """See `PacedAdapter.shorten_turns`; on the event loop."""
-        if wanted != self._hurried:
-            self._hurried = wanted
+        if turn_s != self._turn_s:
+            self._turn_s = turn_s
             if self._thread is not None:
                 self._thread.run_soon(self._hurry)
 
@@ -129,7 +128,7 @@ class Ros2TopicSource:
 
     def _hurry(self) -> None:
         if self._thread is not None:
-            self._thread.shorten_turns("signals", SOON_S if self._hurried else PACE_S)
+            self._thread.shorten_turns("signals", self._turn_s)
 
     def _update(self, *, everything: bool = True) -> None:
         if self._taps is not None and self._thread is not None:

@@ -121,6 +121,8 @@ class Ingest:
         self._pace = pace
         # In the order in which it came, which is the order in which it is stored.
         self._waiting: deque[Batch | SampleGap | Renaming] = deque()
+        # Of all that ever waited.
+        self._count = 0
         # Of what waits; bounded by `_MOST_WAITING`, since the link is read on.
         self._samples = 0
         # Set when it is time to store something, or the end; and whether the pace knows of it.
@@ -154,7 +156,7 @@ class Ingest:
             first, end = self._owed.get(item.boot, (item.first, last + 1))
             self._owed[item.boot] = (min(first, item.first), max(end, last + 1))
             return
-        self._waiting.append(item)
+        self._append_waiting(item)
         # A gap counts as well, so that a flood of them is bounded too.
         self._samples += len(item.columns) if isinstance(item, Batch) else 1
         self._wake_soon()
@@ -162,7 +164,7 @@ class Ingest:
     def rename_channels(self, moves: Mapping[str, str]) -> asyncio.Event:
         """Rename channels once what came before is stored, and before what comes after."""
         renaming = Renaming(moves)
-        self._waiting.append(renaming)
+        self._append_waiting(renaming)
         self._wake_soon()
         return renaming.done
 
@@ -178,9 +180,9 @@ class Ingest:
             await self._news.wait()
             self._news.clear()
             self._paced = False
-            # What comes meanwhile is stored at once, behind it: to gather it anew saves the hub a
-            # third, and what is shown came up to 5 ms later then.
-            while self._waiting:
+            # What comes meanwhile is gathered anew: most of a commit's cost is the commit.
+            due = self._count
+            while self._waiting and (self._ending or self._is_due(due)):
                 try:
                     await self._store_some()
                 except (SQLAlchemyError, TalaiaError, OSError) as error:
@@ -198,6 +200,16 @@ class Ingest:
                     if failing:
                         _LOG.warning("samples of %s are stored again", self._site)
                     failing = False
+            if self._waiting:
+                self._wake_soon()
+
+    def _is_due(self, due: int) -> bool:
+        """Tell whether the first that waits is one of the first ``due``, or very much waits."""
+        return self._count - len(self._waiting) < due or self._samples >= _MANY
+
+    def _append_waiting(self, item: Batch | SampleGap | Renaming) -> None:
+        self._waiting.append(item)
+        self._count += 1
 
     def _wake_soon(self) -> None:
         if self._samples >= _MANY:
