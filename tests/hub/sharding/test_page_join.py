@@ -569,3 +569,20 @@ async def test_what_a_page_looks_at_is_asked_of_the_shard_that_its_site_came_to(
         await again.say(values(1))
     page.say(stop("agv"))
     assert await west.heard.take() == stop("agv")
+
+
+async def test_a_page_that_asks_before_a_site_is_told_of_gets_it_from_who_tells(world) -> None:
+    page, _, east, west = await world.joined()
+    asked = subscribe(1, "agv")
+    page.say(asked)
+    # By what was known: its lead has let go of it, and never tells this page.
+    assert await east.heard.take() == asked
+    await west.say(online("agv"))
+    await page.hear(SiteUpdate)
+    assert await west.heard.take() == asked
+    assert await east.heard.take() == Unsubscribe(sub=1)
+    # Once: what a shard tells again changes nothing.
+    await west.say(online("agv"))
+    await page.hear(SiteUpdate)
+    page.say(stop("agv"))
+    assert await west.heard.take() == stop("agv")

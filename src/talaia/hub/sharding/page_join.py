@@ -191,6 +191,8 @@ class _JoinedPage:
 
     def _hand_up(self, asked: AskedAbout, message: Message, shard: str) -> None:
         """Hand on what a page says of a site of ``shard``, or of a subscription."""
+        # While it was looked up, it may have gone to another one, which has told of it.
+        shard = self._join.known.shards.get(asked.site, shard)
         shard = shard if shard in self._join.apps else MAIN
         if asked.t == "unsubscribe":
             shard = self._subscriptions.remove(asked.sub)

@@ -50,7 +50,7 @@ class PageNews:
     ) -> None:
         """Note in ``known`` what is told of sites; ``subscriptions`` are the page's.
 
-        ``site_came`` hears of a site and the shard that has it now, where another one had it.
+        ``site_came`` hears of a site and the shard that has it now, when that first tells of it.
         """
         self._site_came = site_came
         self._known = known
@@ -98,8 +98,8 @@ class PageNews:
             self._known.catalogues[site] = told.catalogue
         if site in self._sites[shard]:
             return
+        for sites in self._sites.values():
+            sites.discard(site)
         self._sites[shard].add(site)
-        for other, sites in self._sites.items():
-            if other != shard and site in sites:
-                sites.discard(site)
-                self._site_came(site, shard)
+        # Though none has told of it before: what is asked of it may have gone to one that had it.
+        self._site_came(site, shard)

@@ -37,8 +37,9 @@ class PageSubscriptions:
         # By number; and of those that ended last.
         self._owners: dict[int, str] = {}
         self._ended: dict[int, str] = {}
-        # How they were asked for.
+        # How they were asked for, and which ask for a site.
         self._asked: dict[int, Message] = {}
+        self._of_site: dict[str, dict[int, None]] = {}
         self._bytes = 0
 
     @property
@@ -57,6 +58,7 @@ class PageSubscriptions:
         if len(self._asked) < _MOST and self._bytes + size <= _MOST_BYTES:
             self._asked[sub] = message
             self._bytes += size
+            self._of_site.setdefault(_site_of(message), {})[sub] = None
         else:
             self.complete = False
         return None if before == shard else before
@@ -78,12 +80,7 @@ class PageSubscriptions:
 
     def of_site(self, site: str) -> list[tuple[int, Message]]:
         """Give how those of a site were asked for, with their numbers."""
-        found = []
-        for sub, message in self._asked.items():
-            asked = read_asked(data_of(message))
-            if asked is not None and asked.site == site:
-                found.append((sub, message))
-        return found
+        return [(sub, self._asked[sub]) for sub in self._of_site.get(site, ())]
 
     def is_from(self, sub: int, shard: str) -> bool:
         """Tell whether what a shard says under a number is of what the page has under it."""
@@ -91,8 +88,19 @@ class PageSubscriptions:
 
     def _forget(self, sub: int) -> None:
         asked = self._asked.pop(sub, None)
-        if asked is not None:
-            self._bytes -= len(data_of(asked))
+        if asked is None:
+            return
+        self._bytes -= len(data_of(asked))
+        site = _site_of(asked)
+        of_site = self._of_site[site]
+        del of_site[sub]
+        if not of_site:
+            del self._of_site[site]
+
+
+def _site_of(message: Message) -> str:
+    asked = read_asked(data_of(message))
+    return "" if asked is None else asked.site
 
 
 def end_message(sub: int, like: Message) -> Message:
