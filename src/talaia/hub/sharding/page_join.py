@@ -290,9 +290,11 @@ class _JoinedPage:
         """Ask a shard that a site has come to for what is asked of that site."""
         for sub, asked in self._subscriptions.of_site(site):
             before = self._subscriptions.add(sub, shard, asked)
-            if before is not None and (former := self._open.get(before)) is not None:
+            if before is None:
+                continue
+            if (former := self._open.get(before)) is not None:
                 self._push(former, end_message(sub, asked))
-            if before is not None and (socket := self._open.get(shard)) is not None:
+            if (socket := self._open.get(shard)) is not None:
                 self._push(socket, asked)
 
     def _note_passed(self, shard: str, data: bytes | str) -> None:

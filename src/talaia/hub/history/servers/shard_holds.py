@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.errors import HubError, StoreDown
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.servers.site_move import GATE_S
+from talaia.hub.history.servers.site_copy import GATE_S
 from talaia.hub.store.history_servers.home_tables import NOBODY
 from talaia.hub.store.history_servers.shard_handover import HoldWord, with_word, word_of
 

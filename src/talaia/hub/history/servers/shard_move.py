@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.servers.other_history import OtherHistory
-from talaia.hub.history.servers.site_copy import RenamedMeanwhile, SiteCopy
-from talaia.hub.history.servers.site_move import GATE_S
+from talaia.hub.history.servers.site_copy import GATE_S, SiteCopy
 from talaia.hub.history.servers.write_term import WriteTerm
 from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.hub.store.history_servers.shard_handover import HoldWord, word_of
@@ -76,7 +75,7 @@ class ShardMove:
         target = self._places.store_named(copy.home.moving_to)
         await source.check_owner()
         await copy.begin_copy(target)
-        try:
+        async with copy.explain_failures(target):
             await copy.copy_hot(source, target.transfer)
             begun = await self._handover.begin_hold(copy.home)
             await self._hear(begun, HoldWord.SEALED)
@@ -88,15 +87,6 @@ class ShardMove:
                 await copy.copy_rest(source, target)
             await copy.switch_home(led_by=copy.home.server)
             await target.transfer.clear_copied(site)
-        except TimeoutError:
-            raise HistoryError(
-                f"the last of {site} took longer than {GATE_S:g} s", "it is tried again"
-            ) from None
-        except RenamedMeanwhile:
-            await target.transfer.erase_site(site)
-            raise HistoryError(
-                f"channels of {site} have other names now", "it is copied anew"
-            ) from None
 
     async def _hear(self, said: HistoryHome | None, answer: HoldWord) -> None:
         """Wait until the other lead has answered what was said; none: the row is another one."""

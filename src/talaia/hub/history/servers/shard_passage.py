@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.history.servers.shard_holds import ShardHolds
 from talaia.hub.history.servers.shard_move import ANSWER_S, ShardArrivals
-from talaia.hub.history.servers.site_move import GATE_S
+from talaia.hub.history.servers.site_copy import GATE_S
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.hub.errors import StoreDown
@@ -15,7 +16,7 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.writing.writer_jobs import Adopt, ArrivingChannel
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import AsyncIterator, Mapping, Sequence
     from typing import Any
 
     from talaia.hub.history.servers.late_descriptions import LateDescriptions
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.writing.writer_jobs import GapJob
     from talaia.hub.store.history_servers.history_homes import HistoryHome, HistoryHomes
 
-__all__ = ["RenamedMeanwhile", "SiteCopy", "SiteSource"]
+__all__ = ["GATE_S", "SiteCopy", "SiteSource"]
 
 _LOG = logging.getLogger(__name__)
 # Blocks copied in one transaction: few, so that what others send does not wait.
@@ -34,6 +35,8 @@ _BLOCKS = 32
 # Passes while the site is written; each has less to copy than the one before it.
 _PASSES = 4
 _FEW = 64
+# What is left is copied within this time, or what comes has waited too long (s).
+GATE_S = 30.0
 # Between two questions whether the commit happened (s).
 _ASK_S = 1.0
 # How often the progress is written down (s).
@@ -42,7 +45,7 @@ _REPORT_S = 1.0
 _AGAIN_US = 600_000_000
 
 
-class RenamedMeanwhile(Exception):
+class _RenamedMeanwhile(Exception):
     """A channel has another address than when it was copied: it begins anew."""
 
 
@@ -139,6 +142,27 @@ class SiteCopy:
             await target.transfer.erase_site(site)
         await self._descriptions.describe_moved(site, target)
 
+    @asynccontextmanager
+    async def explain_failures(self, target: HistoryStore) -> AsyncIterator[None]:
+        """Say in words why a copy to ``target`` ends; one that cannot go on is erased.
+
+        Raises:
+            HistoryError: its last part took too long, or channels were renamed within it.
+
+        """
+        site = self.home.site
+        try:
+            yield
+        except TimeoutError:
+            raise HistoryError(
+                f"the last of {site} took longer than {GATE_S:g} s", "it is tried again"
+            ) from None
+        except _RenamedMeanwhile:
+            await target.transfer.erase_site(site)
+            raise HistoryError(
+                f"channels of {site} have other names now", "it is copied anew"
+            ) from None
+
     async def copy_hot(self, source: SiteSource, target: SiteTransfer) -> None:
         """Copy until little is left; all goes on meanwhile."""
         for _ in range(_PASSES):
@@ -194,7 +218,7 @@ class SiteCopy:
         copied = await target.read_copied(site)
         for channel in channels:
             if channel.id in copied and copied[channel.id].address != channel.address:
-                raise RenamedMeanwhile
+                raise _RenamedMeanwhile
         every = await source.list_blocks(site)
         blocks = [
             block

@@ -12,18 +12,14 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.servers.site_copy import RenamedMeanwhile, SiteCopy
+from talaia.hub.history.servers.site_copy import GATE_S, SiteCopy
 
 if TYPE_CHECKING:
     from talaia.hub.history.servers.late_descriptions import LateDescriptions
     from talaia.hub.history.servers.site_places import SitePlaces
     from talaia.hub.store.history_servers.history_homes import HistoryHome, HistoryHomes
 
-__all__ = ["GATE_S", "SiteMove"]
-
-# What is left is copied within this time, or what comes has waited too long (s).
-GATE_S = 30.0
+__all__ = ["SiteMove"]
 
 
 class SiteMove:
@@ -61,7 +57,7 @@ class SiteMove:
         source = self._places.store_named(copy.home.server)
         target = self._places.store_named(copy.home.moving_to)
         await copy.begin_copy(target)
-        try:
+        async with copy.explain_failures(target):
             await copy.copy_hot(source.transfer, target.transfer)
             # Of what is in memory the most becomes blocks before anybody waits.
             await source.transfer.seal_site(site)
@@ -72,12 +68,3 @@ class SiteMove:
                     await copy.copy_rest(source.transfer, target)
                 await copy.switch_home()
             await target.transfer.clear_copied(site)
-        except TimeoutError:
-            raise HistoryError(
-                f"the last of {site} took longer than {GATE_S:g} s", "it is tried again"
-            ) from None
-        except RenamedMeanwhile:
-            await target.transfer.erase_site(site)
-            raise HistoryError(
-                f"channels of {site} have other names now", "it is copied anew"
-            ) from None
